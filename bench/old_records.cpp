@@ -47,14 +47,14 @@ struct Experiment {
     Image target = {};
 
     Theta theta_of(const Image& texture) const { return {{{scene.texture, texture}}}; }
-    Measured measure(const Image& born, std::uint32_t seed) const {
+    Measured measure(const Image& sampled_under, std::uint32_t seed) const {
         PathCache options;
         options.window = passes;
-        const Theta theta_at_birth = theta_of(born), theta = theta_of(scene.truth);
-        const Binding at_birth(scene.traced(), theta_at_birth), now(scene.traced(), theta);
-        PathCacheWorkspace workspace = make_workspace(options, at_birth);
+        const Theta theta_of_sampling = theta_of(sampled_under), theta = theta_of(scene.truth);
+        const Binding of_sampling(scene.traced(), theta_of_sampling), now(scene.traced(), theta);
+        PathCacheWorkspace workspace = make_workspace(options, of_sampling);
         PathCacheState state;
-        trace_passes({at_birth, seed}, 2 * passes, workspace, state);
+        trace_passes({of_sampling, seed}, 2 * passes, workspace, state);
         workspace = make_workspace(options, now);
         const PathCacheInput input{now, seed};
         const std::array<Image, 2> images = shade(input, state, workspace).images;
@@ -79,11 +79,11 @@ Image brightened(Image image) {
 }
 
 /// Independent of those with another first seed by the number of runs or more.
-std::vector<Measured> measure_runs(const Experiment& experiment, const Image& born,
+std::vector<Measured> measure_runs(const Experiment& experiment, const Image& sampled_under,
                                    const CommandLine& line, std::uint32_t first_seed) {
     std::vector<Measured> runs;
     for (std::uint32_t run = 0; run < line.runs; ++run)
-        runs.push_back(experiment.measure(born, first_seed + run));
+        runs.push_back(experiment.measure(sampled_under, first_seed + run));
     return runs;
 }
 
@@ -138,15 +138,15 @@ int main(int argc, char** argv) try {
     const std::vector<Measured> a = measure_runs(experiment, scene.truth, line, line.seed),
                                 b = measure_runs(experiment, scene.truth, line,
                                                  line.seed + line.runs);
-    const auto say = [&](const nlohmann::json& born, const Image& texture) {
+    const auto print = [&](const nlohmann::json& sampled_under, const Image& texture) {
         nlohmann::json found =
             compare(measure_runs(experiment, texture, line, line.seed + 2 * line.runs), a, b);
-        found["scene"] = line.scene.file, found["born"] = born;
+        found["scene"] = line.scene.file, found["sampled_under"] = sampled_under;
         std::cout << found.dump() << std::endl;
     };
-    for (const float shift : line.shifts) say({{"shift", shift}}, moved(scene.truth, shift));
+    for (const float shift : line.shifts) print({{"shift", shift}}, moved(scene.truth, shift));
     const Image& t = scene.truth;
-    say({{"constant", 0.5}}, make_image(t.width, t.height, t.channels, 0.5f));
+    print({{"constant", 0.5}}, make_image(t.width, t.height, t.channels, 0.5f));
 } catch (const Error& e) {
     std::cerr << "burnish_old_records: " << e.what() << "\n";
     return 1;

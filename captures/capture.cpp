@@ -71,7 +71,7 @@ SharedImage sky_of(const std::string& file, Skies& skies) {
     if (const auto read = skies.find(file); read != skies.end()) return read->second;
     SharedImage sky = read_sky(file);
     for (const auto& [other, known] : skies)
-        if (*known == *sky) sky = known;
+        if (*known == *sky) return skies[file] = known;
     return skies[file] = sky;
 }
 
@@ -145,6 +145,8 @@ CapturedView view_of(const Value& v, std::size_t number, Skies& skies) {
         fail(member(v, "encoding"), "an image that it is the encoding of");
     if (has(v, "orientation")) captured.turning = turning_of(member(v, "orientation"));
     if (has(v, "mask")) captured.mask = file_of(member(v, "mask"));
+    if (has(v, "orientation") && captured.image.empty() && captured.mask.empty())
+        fail(member(v, "orientation"), "an image or a mask that it is the orientation of");
     if (has(v, "exposure")) view.exposure = exposure_of(member(v, "exposure"));
     if (has(v, "emitters")) view.lighting.emitters = texts(member(v, "emitters"));
     if (has(v, "environment"))
@@ -159,7 +161,7 @@ CapturedView view_of(const Value& v, std::size_t number, Skies& skies) {
 Capture read_capture(const std::string& file) {
     const json document = parse_json(file, "a capture");
     const Value root{document, file, ""};
-    if (document.is_object() && document.contains("frames"))
+    if (document.is_object() && document.contains("frames") && !document.contains("scene"))
         throw InputError(fmt::format(
             "{0}: found a transforms.json, which names no scene: expected SCENE.xml --views {0}",
             file));

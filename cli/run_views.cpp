@@ -85,9 +85,10 @@ std::vector<CapturedView> named_views(const RunSettings& run,
     }
     if (!run.views.empty()) {
         if (!run.mask.empty())
-            refuse_option("--mask",
-                          "each view of --views has its own: expected a capture.json, which "
-                          "`burnish info --views ... --json` holds as \"capture\"");
+            refuse_option(
+                "--mask",
+                "one for all of --views: expected a capture.json, which names the mask of "
+                "each view; `burnish info --views ... --json` holds one as \"capture\"");
         refuse_view_options(run, "--views", "names the pictures and cameras of its views");
         return read_named_views(run.views, run.images);
     }

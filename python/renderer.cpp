@@ -127,7 +127,7 @@ void bind_parameters(nb::module_& m) {
             "none, or several.")
         .def("name", name_of_texture, nb::arg("name"), nb::sig("def name(self, name: str) -> str"),
              "The first whole name of a texture, by any form of its name. Throws InputError: there "
-             "is none, or several.")
+             "is none, there are several, or it is a constant.")
         .def("__repr__", [](const Parameters& p) {
             return std::string("Parameters(") + repr_of(shapes_of(p)) + ")";
         });

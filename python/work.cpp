@@ -182,6 +182,12 @@ void Worker::wait() {
     release();
 }
 
+bool Worker::rests() const {
+    if (is_forked()) return false;  // as in the destructor
+    const std::lock_guard lock(shared_->mutex);
+    return !shared_->busy;
+}
+
 void Worker::run(std::function<void()> work, const std::function<void()>& then) {
     Shared& s = *shared_;
     claim();

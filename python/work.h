@@ -1,4 +1,4 @@
-// Work that takes time, for Python: it is done by a thread of its own, without the GIL, while the
+// Work that takes time, for Python: it is done by another thread, without the GIL, while the
 // thread that called waits and hears signals. Ctrl-C ends the waiting at once; the work itself ends
 // at the next call of its progress, or is taken up by the next call of its object.
 #pragma once
@@ -34,6 +34,9 @@ class Worker {
     /// Waits for the work that an interrupted call has left behind.
     void wait();
 
+    /// Whether no work goes on, and there are threads to begin one.
+    bool rests() const;
+
   private:
     struct Shared;
     void claim();
@@ -45,7 +48,7 @@ class Worker {
 /// A worker that rests, for a call without an object of its own; a thread for each call would cost
 /// memory that oneTBB keeps. To be called with the GIL, as give_back.
 std::unique_ptr<Worker> borrow_worker();
-/// worker: its work has ended.
+/// worker: it rests.
 void give_back(std::unique_ptr<Worker> worker);
 
 /// Before the interpreter ends: gives up all work that goes on, and waits for it.
@@ -77,6 +80,7 @@ auto compute(Body body) {
         worker->run([call] { call->result.emplace(call->body(call->is_abandoned)); });
     } catch (...) {
         *call->is_abandoned = true;
+        if (worker->rests()) give_back(std::move(worker));
         throw;
     }
     give_back(std::move(worker));

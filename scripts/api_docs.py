@@ -102,7 +102,8 @@ def name_of(code):
 
 def section(path):
     lines = path.read_text(encoding="utf-8").split("\n")
-    intro = [line[2:].rstrip().removeprefix(" ") for line in lines[:lines.index("#pragma once")] if line.startswith("//")]
+    above = lines[:lines.index("#pragma once")]
+    intro = [line[2:].rstrip().removeprefix(" ") for line in above if line.startswith("//")]
     out = [f"## burnish/{path.name}", "", *prose(intro)]
     last = None
     for comment, code in declarations(lines):

@@ -210,8 +210,8 @@ class Solver {
     /// One iteration: image, loss, gradient, step of the optimiser; and the checks of
     /// Stop::patience, where they are due. Throws InputError where the adjoint of a loss of your
     /// own is not as large as the image. Where that loss throws, or memory ends, the state is what
-    /// it was before, unless a check has asked. ResourceError: memory has ended in the midst of the
-    /// optimiser's step, and the solver cannot go on.
+    /// it was before; in a check, the iteration is done. ResourceError: memory has ended in the
+    /// midst of the optimiser's step, and the solver cannot go on.
     Iteration step();
     /// The rule of Options::stop that the last step has met, counted since this solver was made;
     /// steps can go on.

@@ -35,7 +35,7 @@ ImageFile decode_png(const std::string& name, std::string_view bytes);
 ImageFile decode_jpeg(const std::string& name, std::string_view bytes);
 /// The orientation, 1 to 8, in the bytes of a JPEG's APP1 segment; 0: they hold none. Any bytes.
 int exif_orientation(std::string_view segment);
-/// The name of an ICC profile, as "Display P3"; empty: it has none. Any bytes.
+/// The name of an ICC profile in ASCII, as "Display P3"; empty: it has none. Any bytes.
 std::string profile_name(std::string_view icc);
 ImageFile decode_pfm(const std::string& name, std::string_view bytes);
 ImageFile decode_hdr(const std::string& name, std::string_view bytes);

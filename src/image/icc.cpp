@@ -1,5 +1,6 @@
 // The name of an ICC profile: its tag `desc`, a text in ASCII (version 2) or UTF-16 (version 4).
 // Nothing else of it is read.
+#include <algorithm>
 #include <cstdint>
 
 #include "image/formats.h"
@@ -22,11 +23,14 @@ std::string_view part(std::string_view bytes, std::size_t at, std::size_t size) 
     return at < bytes.size() ? bytes.substr(at, size) : std::string_view();
 }
 
-/// Its characters of ASCII, others as a question mark.
+/// A character that can be shown; others as a question mark.
+char shown(char c) { return c >= ' ' && c <= '~' ? c : '?'; }
+
+/// Up to a zero.
 std::string of_utf16(std::string_view units) {
     std::string text;
-    for (std::size_t i = 0; i + 1 < units.size(); i += 2)
-        text += units[i] == 0 && units[i + 1] >= ' ' ? units[i + 1] : '?';
+    for (std::size_t i = 0; i + 1 < units.size() && (units[i] != 0 || units[i + 1] != 0); i += 2)
+        text += units[i] == 0 ? shown(units[i + 1]) : '?';
     return text;
 }
 
@@ -39,7 +43,9 @@ std::string text_of(std::string_view tag) {
     }
     if (!tag.starts_with("desc")) return {};
     const std::string_view text = part(tag, 12, number(tag, 8));
-    return std::string(text.substr(0, text.find('\0')));
+    std::string name(text.substr(0, text.find('\0')));
+    std::ranges::transform(name, name.begin(), shown);
+    return name;
 }
 
 }  // namespace

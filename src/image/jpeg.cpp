@@ -103,10 +103,11 @@ int orientation_of(const jpeg_decompress_struct& jpeg) {
     return 1;
 }
 
-/// Of the first segment of a profile; the tags of a longer one stand there, too.
+/// Of the first segment of a profile: of a longer one, the table of its tags and mostly its name
+/// stand there.
 std::string profile_of(const jpeg_decompress_struct& jpeg) {
-    constexpr std::string_view kProfileMagic{"ICC_PROFILE\0\x01",
-                                             13};  // a byte follows: of how many
+    // Segment 1; a byte follows: of how many.
+    constexpr std::string_view kProfileMagic{"ICC_PROFILE\0\x01", 13};
     for (jpeg_saved_marker_ptr m = jpeg.marker_list; m; m = m->next)
         if (const std::string_view bytes = bytes_of(*m);
             bytes.size() > kProfileMagic.size() && bytes.starts_with(kProfileMagic))

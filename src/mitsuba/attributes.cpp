@@ -92,8 +92,8 @@ Bitmap attribute_bitmap(const Mesh& mesh, const MeshAttribute& attribute, float 
 
 namespace {
 
-/// By its name, or else by that without the "_color" of prefix_r, prefix_g, prefix_b. nullptr:
-/// none.
+/// By its name, or else by that without "_color": vertex_tint finds vertex_tint_color, and vertex
+/// the colour. nullptr: none.
 const MeshAttribute* find_attribute(const std::vector<MeshAttribute>& attributes,
                                     const std::string& name) {
     for (const std::string& wanted : {name, name + "_color"})

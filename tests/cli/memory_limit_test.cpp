@@ -19,7 +19,7 @@ class MemoryLimit : public Program {
                 "--set path_cache.window=96 -o out " +
                 options);
         EXPECT_EQ(outcome.code, 0) << outcome.err;
-        return nlohmann::json::parse(read_text(folder / "out/summary.json"));
+        return summary_of("out");
     }
 };
 
@@ -63,7 +63,7 @@ TEST_F(MemoryLimit, TheEstimateCountsWhatViewsHaveOfTheirOwn) {
                 " --parameter base_color --init 0.5 --iterations 2 --target-spp 1 "
                 "--evaluation-spp 2 --threads 2 --force -o out");
         ASSERT_EQ(outcome.code, 0) << outcome.err;
-        const auto summary = nlohmann::json::parse(read_text(folder / "out/summary.json"));
+        const auto summary = summary_of("out");
         EXPECT_LE(summary["peak_memory_bytes"], summary["memory_estimate_bytes"]["maximum"])
             << capture;
         EXPECT_LE(summary["memory_estimate_bytes"]["expected"].get<double>(),
@@ -79,7 +79,7 @@ TEST_F(MemoryLimit, ARunThatIsRepeatedWithFewerRecordsIsWarnedOf) {
                   "--target-spp 4 --evaluation-spp 2 -o first")
                   .code,
               0);
-    const auto first = nlohmann::json::parse(read_text(folder / "first/summary.json"));
+    const auto first = summary_of("first");
     const double all = first["memory_estimate_bytes"]["maximum"],
                  records = first["settings"]["path_cache"]["max_bytes"];
     const std::string repeat = "optimize --options first/summary.json --max-memory ";

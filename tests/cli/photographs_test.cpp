@@ -178,7 +178,7 @@ TEST_F(PhotographsTest, WhatIsNotReadOfAFileIsSaid) {
                              "p0.jpg (p0.jpg) has the colour profile \"Display P3\", which is not "
                              "read: convert it to sRGB"})
         EXPECT_TRUE(contains(outcome.err, text)) << text << "\n" << outcome.err;
-    const json picture = summary("out")["views"][0]["picture"];
+    const json picture = summary_of("out")["views"][0]["picture"];
     EXPECT_EQ(picture["orientation"], 6);
     EXPECT_EQ(picture["turned"], false);
     EXPECT_EQ(picture["profile"], "Display P3");

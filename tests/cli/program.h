@@ -116,7 +116,8 @@ class Program : public ::testing::Test {
     }
     ~Program() override { fs::remove_all(folder); }
 
-    /// A line of the shell, in the folder. What it writes goes to the files `.out` and `.err`.
+    /// A line of the shell, in the folder. What its last command writes goes to the files `.out`
+    /// and `.err`; several are one in brackets.
     Outcome shell(const std::string& line) const {
         const int status = std::system(in_folder(line).c_str());
         return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, read_text(folder / ".out"),

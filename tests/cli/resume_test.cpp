@@ -294,7 +294,7 @@ TEST_F(Resume, TwoRunsDoNotShareAFolder) {
     const pid_t pid = start(
         "optimize scene.xml --parameter base_color --spp 2 --target-spp 16 --time 3600 "
         "--checkpoint-every 0.001 -o out");
-    ASSERT_TRUE(wait_for([&] { return iterations_of("out") > 0; }));
+    EXPECT_TRUE(wait_for([&] { return iterations_of("out") > 0; }));
     const std::string mine = read_text(folder / ".err");
     for (const std::string& other :
          {std::string("optimize --resume out"), std::string(kLongRun) + "--force -o out"}) {

@@ -82,7 +82,7 @@ TEST_F(Signals, BeforeTheIterationsNothingIsLeft) {
     write_scene();
     for (const int signal : {SIGINT, SIGTERM, SIGHUP}) {
         const pid_t pid = start(std::string(kRun) + "--target-spp 1048576 -o out");
-        ASSERT_TRUE(wait_for([&] { return fs::exists(lock_of("out")); }));
+        EXPECT_TRUE(wait_for([&] { return fs::exists(lock_of("out")); }));
         for (int i = 0; i < 10; ++i) pause();  // the target renders
         kill(pid, signal);
         const int status = end_of(pid);
@@ -101,7 +101,7 @@ TEST_F(Signals, BeforeTheIterationsARunThatGoesOnKeepsItsCheckpoint) {
     };
     const pid_t first = start(std::string(kRun) +
                               "--target-spp 8192 --iterations 1 --evaluation-spp 1048576 -o out");
-    ASSERT_TRUE(wait_for([&] { return fs::exists(checkpoint); }));
+    EXPECT_TRUE(wait_for([&] { return fs::exists(checkpoint); }));
     for (int i = 0; i < 10; ++i) pause();
     expect_suspended(end_within(10, first, SIGTERM));
     const std::string before = read_text(checkpoint);
@@ -118,7 +118,7 @@ TEST_F(Signals, InTheSearchForTheStartNothingIsLeft) {
     for (const int signal : {SIGINT, SIGTERM}) {
         const pid_t pid = start(std::string(kRun) +
                                 "--size 768 768 --target-spp 1 --threads 1 --time 3600 -o out");
-        ASSERT_TRUE(wait_for_error_text("optimising"));
+        EXPECT_TRUE(wait_for_error_text("optimising"));
         for (int i = 0; i < 5; ++i) pause();
         const int status = end_within(1, pid, signal);
         EXPECT_TRUE(WIFSIGNALED(status) && WTERMSIG(status) == signal) << status;
@@ -129,7 +129,7 @@ TEST_F(Signals, InTheSearchForTheStartNothingIsLeft) {
 
 TEST_F(Signals, TheDemoSceneIsNotLeftEither) {
     const pid_t pid = start("optimize --target-spp 1048576 -o out");
-    ASSERT_TRUE(wait_for([&] { return fs::exists(lock_of("out").parent_path() / "built-in"); }));
+    EXPECT_TRUE(wait_for([&] { return fs::exists(lock_of("out").parent_path() / "built-in"); }));
     kill(pid, SIGTERM);
     const int status = end_of(pid);
     EXPECT_TRUE(WIFSIGNALED(status) && WTERMSIG(status) == SIGTERM) << status;
@@ -142,7 +142,7 @@ TEST_F(Signals, OneEndsTheIterationsAndKeepsTheResults) {
         const std::string out = "out";
         const pid_t pid = start(std::string(kRun) + "--init 0.5 --target-spp 16 " +
                                 "--evaluation-spp 8 --time 3600 -o " + out);
-        ASSERT_TRUE(wait_for([&] { return iterations_told(out) > 0; }));
+        EXPECT_TRUE(wait_for([&] { return iterations_told(out) > 0; }));
         kill(pid, SIGINT);
         const int status = end_of(pid);
         ASSERT_TRUE(WIFEXITED(status) && WEXITSTATUS(status) == 0) << read_text(folder / ".err");
@@ -185,7 +185,7 @@ TEST_F(Signals, TwoEndTheEvaluationAndKeepTheEarlierResults) {
     expect_kept(asked);
     // The system does not wait, and nothing is lost.
     const pid_t told = start("optimize --resume out --evaluation-spp 1048576");
-    ASSERT_TRUE(wait_for_error_text("optimising"));
+    EXPECT_TRUE(wait_for_error_text("optimising"));
     kill(told, SIGTERM);
     expect_kept(told);
     EXPECT_EQ(run("optimize --resume out --evaluation-spp 8").code, 0);
@@ -205,7 +205,7 @@ TEST_F(Signals, ASecondRunThatWasNotBegunIsMadeLater) {
     for (int attempt = 0; attempt < 20 && is_late; ++attempt) {
         fs::remove_all(folder / "out");
         const pid_t pid = start(arguments + "-o out");
-        ASSERT_TRUE(wait_for([&] { return fs::exists(first) || fs::exists(summary); }));
+        EXPECT_TRUE(wait_for([&] { return fs::exists(first) || fs::exists(summary); }));
         pause();
         kill(pid, SIGINT);
         is_late = fs::exists(second) || fs::exists(summary);
@@ -254,7 +254,7 @@ TEST_F(Signals, TheSystemEndsAnIterationInItsMidst) {
     for (const bool twice : {false, true}) {
         const pid_t pid = start("optimize scene.xml --parameter base_color --init 0.5 " +
                                 std::string("--iterations 1 -o out ") + options + "1048576");
-        ASSERT_TRUE(wait_for_error_text("optimising"));
+        EXPECT_TRUE(wait_for_error_text("optimising"));
         for (int i = 0; i < 25; ++i) pause();
         if (twice) {  // as `timeout` does
             kill(pid, SIGTERM);
@@ -285,7 +285,7 @@ TEST_F(Signals, AStoppedReproductionGoesOn) {
         return !kept_files(folder / "r.kept", part).empty();
     };
     const pid_t pid = start(command);
-    ASSERT_TRUE(wait_for([&] { return is_kept("goblet-target"); }));
+    EXPECT_TRUE(wait_for([&] { return is_kept("goblet-target"); }));
     kill(pid, SIGINT);
     EXPECT_EQ(end_of(pid), 0);
     EXPECT_TRUE(is_kept("goblet-derivatives"));
@@ -302,7 +302,7 @@ TEST_F(Signals, AReproductionGoesOnWithinAScene) {
         "reproduce inverse -o r --scene goblet --size 32 32 --time-scale 0.2";
     const auto runs = [&] { return kept_files(folder / "r.kept", "goblet-run"); };
     const pid_t pid = start(command);
-    ASSERT_TRUE(wait_for([&] { return runs().size() >= 2; }));
+    EXPECT_TRUE(wait_for([&] { return runs().size() >= 2; }));
     const int status = end_within(10, pid, SIGTERM);
     EXPECT_TRUE(WIFEXITED(status) && WEXITSTATUS(status) == 75) << status;
     EXPECT_TRUE(contains(read_text(folder / ".err"), "the same command goes on"));
@@ -352,7 +352,7 @@ TEST_F(Signals, AReproductionGoesOnWithinARun) {
 
 TEST_F(Signals, ReproduceLeavesNothing) {
     const pid_t pid = start("reproduce derivatives -o r --scene goblet --size 64 64");
-    ASSERT_TRUE(wait_for([&] { return fs::exists(lock_of("r")); }));
+    EXPECT_TRUE(wait_for([&] { return fs::exists(lock_of("r")); }));
     for (int i = 0; i < 10; ++i) pause();
     kill(pid, SIGTERM);
     for (int i = 0; i < 15; ++i) pause();

@@ -221,7 +221,7 @@ TEST_F(Colmap, ARunFitsItsViews) {
         {"--images photos --target photos/a.exr", "--target: --views names the pictures"},
         {"--images photos --size 8 8", "--size: --views says how large"},
         {"--images photos --sensor 0", "--sensor: --views names"},
-        {"--images photos --mask a.png", "burnish: --mask: each view of --views has its own"},
+        {"--images photos --mask a.png", "burnish: --mask: one for all of --views"},
         {"--images absent", "absent/a.exr"},
         {"--images photos --hold-out c.exr", "--hold-out: no view is named \"c.exr\""},
         {"--images photos --hold-out a.exr --hold-out b.exr", "no view to fit"},
@@ -245,7 +245,7 @@ TEST_F(Colmap, ARunFitsItsViews) {
     EXPECT_TRUE(contains(alone.err, "--images has no effect: it needs --views")) << alone.err;
 }
 
-/// With which a capture may say more of each view.
+/// A capture may say more of each view than a reconstruction.
 TEST_F(Colmap, BecomesACapture) {
     write_scene();
     copy("binary");

@@ -216,6 +216,7 @@ TEST_F(Photographs, ProfilesAreNamed) {
                 EXPECT_TRUE(std::string(name).starts_with(found)) << found;
             }
         }
+    EXPECT_EQ(of_jpeg(make_profile("Caf\xe9\x1b", 2)), "Caf??");
     EXPECT_EQ(read_photograph(write("a.jpg", jpeg)).profile, "");
     EXPECT_EQ(read_photograph(write("a.png", make_png({}))).profile, "");
 }

@@ -258,12 +258,12 @@ std::set<std::string> threads() {
     return all;
 }
 
-/// It waits for a second, its thread for two after the last byte. A note before its end, which a
-/// busy machine can bring about, leaves nothing to hear after it.
+/// Live waits for a second, its thread for two after the last byte. A note before Live's end, which
+/// a busy machine can bring about, leaves nothing to hear after it.
 TEST(LiveTest, AfterItsEndNobodyHearsOfAViewerThatTakesNothing) {
-    Receiver receiver(Receiver::Manner::kTakesNothing);
     bool heard_before = true;
     for (int attempt = 0; attempt < 20 && heard_before; ++attempt) {
+        Receiver receiver(Receiver::Manner::kTakesNothing);
         Notes notes;
         std::set<std::string> own;
         {

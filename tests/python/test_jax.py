@@ -116,9 +116,9 @@ def test_seeds_are_whole_numbers(renderer):
     for wrong in (-1, np.int32(-1), 2**32, np.int64(2**32)):
         with pytest.raises(burnish.InputError, match=f"seed: expected a whole number from 0 to 4294967295, found {wrong}"):
             picture(wrong)
-    for several in (picture, jax.jit(picture)):
+    for call in (picture, jax.jit(picture)):
         with pytest.raises(TypeError, match="^seed: expected a whole number"):
-            several(jnp.arange(2))
+            call(jnp.arange(2))
     with pytest.raises(Exception, match="seed: expected a whole number from 0 to 4294967295, found -1"):
         jax.jit(picture)(-1).block_until_ready()
 

@@ -132,7 +132,7 @@ INTERRUPTED = """
     "list(map(renderer.render, [None] * 10**6, [1] * 10**6))",
 ])
 def test_ctrl_c_arrives_within_a_second(scene, work):
-    """Of all cores: on a busy machine it takes longer by the clock."""
+    """A second of processor time of each core: on a busy machine it takes longer by the clock."""
     done = run(textwrap.dedent(INTERRUPTED) + textwrap.dedent(f"""
         sent = interrupt(0.3)
         try:
@@ -148,15 +148,15 @@ def test_a_solver_whose_evaluation_was_interrupted_is_free(scene):
     """The evaluation, which would take minutes, is given up; the program ends, too."""
     done = run(textwrap.dedent(INTERRUPTED) + textwrap.dedent("""
         solver = burnish.Solver(burnish.Problem(renderer, target, burnish.Unknown('mat-goblet.roughness', 0.5)))
-        interrupt()
+        interrupt(0.3)
         try:
             solver.evaluate(10**6)
         except KeyboardInterrupt:
-            begin = time.perf_counter()
+            begin = time.process_time()
             solver.step()
-            print(time.perf_counter() - begin)
+            print(time.process_time() - begin)
     """), scene)
-    assert done.returncode == 0 and float(done.stdout) < 10, done.stdout + done.stderr
+    assert done.returncode == 0 and float(done.stdout) < os.cpu_count(), done.stdout + done.stderr
 
 
 def test_ctrl_c_ends_the_search_of_a_solver(scene):
@@ -193,18 +193,18 @@ def test_ctrl_c_leaves_a_usable_solver(scene):
             solver = burnish.Solver(problem, iterations=1 if loss else 6, estimator="mc", spp=spp)
             numbers = []
             at_work.clear(), caught.clear()
-            sent = interrupt(at_work if loss else 0.1)
+            interrupt(at_work if loss else 0.1)
             try:
                 for i in solver: numbers.append(i.number)
                 raise SystemExit('not interrupted')
             except KeyboardInterrupt:
-                print(time.process_time() - sent[0])
+                pass
             caught.set()
             for i in solver: numbers.append(i.number)
             assert numbers == expected, numbers
             assert (solver.textures['mat-goblet.roughness'] == alone.textures['mat-goblet.roughness']).all()
     """), scene)
-    assert done.returncode == 0 and max(map(float, done.stdout.split())) < os.cpu_count(), done.stdout + done.stderr
+    assert done.returncode == 0, done.stdout + done.stderr
 
 
 def test_a_handler_cannot_use_the_solver_whose_step_it_interrupts(scene):
