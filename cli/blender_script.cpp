@@ -109,9 +109,23 @@ def fill(material, inputs):
         tree.links.new(tangent.outputs["Tangent"], bsdf.inputs["Tangent"])
 
 
-new = [bpy.data.materials.new(name) for name in MATERIALS if name not in bpy.data.materials]
+def found(name, taken):
+    """The material of that name, which Blender 5 cuts to 255 bytes of UTF-8 and Blender 4 to 63."""
+    for most in (None, 255, 63):
+        material = bpy.data.materials.get(name.encode()[:most].decode(errors="ignore"))
+        if material is not None and material not in taken:
+            return material
+    return None
+
+
+taken, new = [], []
 for name, inputs in MATERIALS.items():
-    fill(bpy.data.materials[name], inputs)
+    material = found(name, taken)
+    if material is None:
+        material = bpy.data.materials.new(name)
+        new.append(material)
+    taken.append(material)
+    fill(material, inputs)
 if len(new) == 1:
     for thing in bpy.context.selected_objects:
         if thing.type == "MESH":

@@ -18,7 +18,13 @@ SCENE = """<scene version="3.0.0"><integrator type="direct"/>
 <shape type="rectangle"><bsdf type="principled" id="constant">{base}<float name="anisotropic" value="0.9"/></bsdf></shape>
 <shape type="rectangle"><bsdf type="principled" id="texture">{base}
   <texture type="bitmap" name="anisotropic"><string name="filename" value="number.exr"/></texture></bsdf></shape>
-<shape type="rectangle"><bsdf type="principled" id="none">{base}</bsdf></shape></scene>"""
+<shape type="rectangle"><bsdf type="principled" id="{none}">{base}</bsdf></shape></scene>"""
+NONE = "none" + 76 * "\u00e9"
+
+
+def cut(name, size=63):
+    """As Blender 4 does: to so many bytes of UTF-8."""
+    return name.encode()[:size].decode(errors="ignore")
 
 
 class Node:
@@ -43,32 +49,41 @@ class Materials(dict):
 
         tree.nodes = Nodes()
         tree.links.new = lambda output, socket: setattr(socket, "link", output)
+        name = cut(name)
+        if name in self:
+            name = cut(name, 59) + ".001"
         self[name] = types.SimpleNamespace(node_tree=tree)
         return self[name]
 
 
-def materials_of(script, monkeypatch):
+def materials_of(script, monkeypatch, runs=1):
     """What the script makes: of each material the inputs of its Principled BSDF."""
     images = types.SimpleNamespace(load=lambda file, check_existing: Node(file).image)
     bpy = types.SimpleNamespace(data=types.SimpleNamespace(materials=Materials(), images=images),
                                 context=types.SimpleNamespace(space_data=None, selected_objects=[]))
     monkeypatch.setitem(sys.modules, "bpy", bpy)
-    runpy.run_path(str(script))
+    for _ in range(runs):
+        runpy.run_path(str(script))
     return {name: next(n for n in m.node_tree.nodes if n.kind == "ShaderNodeBsdfPrincipled").inputs
             for name, m in bpy.data.materials.items()}
 
 
 @pytest.fixture
-def materials(program, tmp_path, monkeypatch):
+def script(program, tmp_path):
     burnish.write_image(tmp_path / "color.exr", np.full((2, 2, 3), 0.5))
     burnish.write_image(tmp_path / "number.exr", np.full((2, 2, 1), 0.5))
     texture = '<texture type="bitmap" name="{}"><string name="filename" value="color.exr"/></texture>'
-    (tmp_path / "scene.xml").write_text(SCENE.format(color=texture.format("specular_reflectance"),
+    (tmp_path / "scene.xml").write_text(SCENE.format(color=texture.format("specular_reflectance"), none=NONE,
                                                      base=texture.format("base_color")), encoding="utf-8")
-    names = ["gold\U0001f642.specular_reflectance", "constant.base_color", "texture.base_color", "none.base_color"]
+    names = ["gold\U0001f642.specular_reflectance", "constant.base_color", "texture.base_color", f"{NONE}.base_color"]
     subprocess.run([program, "optimize", "scene.xml", *(f"--parameter={name}" for name in names), "--init", "0.4",
                     "--iterations", "1", "--target-spp", "1", "--evaluation-spp", "1", "-o", "out"], cwd=tmp_path, check=True)
-    return materials_of(tmp_path / "out/import_into_blender.py", monkeypatch)
+    return tmp_path / "out/import_into_blender.py"
+
+
+@pytest.fixture
+def materials(script, monkeypatch):
+    return materials_of(script, monkeypatch)
 
 
 def test_a_tangent_where_there_is_anisotropy(materials):
@@ -84,4 +99,17 @@ def test_a_metal_has_its_colour(materials):
     assert (metal.kind, metal.operation) == ("ShaderNodeVectorMath", "MULTIPLY")
     np.testing.assert_allclose(metal.inputs[1].default_value, [0.967, 0.802, 0.324], atol=1e-3)
     assert metal.inputs[0].link.kind == "ShaderNodeTexImage"
-    assert materials["none"]["Base Color"].link.kind == "ShaderNodeTexImage"
+    assert materials[cut(NONE)]["Base Color"].link.kind == "ShaderNodeTexImage"
+
+
+def test_a_second_run_finds_the_material_whose_name_is_cut(script, monkeypatch):
+    twice = materials_of(script, monkeypatch, runs=2)
+    assert set(twice) == {"gold\U0001f642", "constant", "texture", cut(NONE)}
+    assert all(inputs["Base Color"].link for inputs in twice.values())
+
+
+def test_names_that_are_cut_alike_have_a_material_each(script, monkeypatch):
+    script.write_text(script.read_text(encoding="utf-8").replace('"constant"', f'"{NONE}2"'), encoding="utf-8")
+    materials = materials_of(script, monkeypatch)
+    assert set(materials) == {"gold\U0001f642", "texture", cut(NONE), cut(NONE, 59) + ".001"}
+    assert [name for name, inputs in materials.items() if inputs["Tangent"].link] == [cut(NONE), "texture"]
