@@ -9,8 +9,11 @@
 
 #include "burnish/error.h"
 #include "cli/glb_file.h"
+#include "cli/glb_material.h"
 #include "cli/mesh_file.h"
 #include "core/transform.h"
+#include "models/gltf_numbers.h"
+#include "shading/texture.h"
 
 namespace burnish {
 
@@ -143,6 +146,30 @@ std::string named_place(const Value& mesh, const Value& primitive) {
         member(mesh, "name").value.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace));
 }
 
+/// Texture coordinates of integers become those at which the material's first texture is read: its
+/// transform brings back what their exporter scaled to few bits.
+void apply_material(const Value& primitive, Mesh& part, Reader& reader) {
+    if (!has(primitive, "material")) return;
+    const std::size_t index = whole(member(primitive, "material"), 1e9);
+    const GlbMaterial material = read_material(reader.glb, index);
+    reader.materials.insert(index);
+    reader.file.is_double_sided |= material.is_double_sided;
+    if (part.uvs.empty()) return;
+    if (material.uv_set != 0) {
+        reader.unread.insert(
+            fmt::format("TEXCOORD_{} is not read, at which a material has its textures: "
+                        "TEXCOORD_0 counts",
+                        material.uv_set));
+        return;
+    }
+    const Value uvs = member(member(primitive, "attributes"), "TEXCOORD_0");
+    if (accessor(reader.glb, uvs, "VEC2", 2).type != gltf::kFloat) {
+        for (Vec2f& uv : part.uvs) uv = transform_uv(material.to_uv, uv);
+    } else if (material.to_uv.m != UvTransform{}.m) {
+        reader.unread.insert("KHR_texture_transform is not read: TEXCOORD_0 counts as it is");
+    }
+}
+
 void add_primitive(const Value& mesh, std::size_t index, const Transform& to_world,
                    Reader& reader) {
     constexpr std::size_t kTriangles = 4, kFan = 6;
@@ -161,14 +188,13 @@ void add_primitive(const Value& mesh, std::size_t index, const Transform& to_wor
         fail(primitive, fmt::format("at most {} vertices in all", most));
     if (read.triangles.size() + part.triangles.size() > most)
         fail(primitive, fmt::format("at most {} triangles in all", most));
+    apply_material(primitive, part, reader);
     if (part.normals.empty()) part = with_face_normals(part);
     append(part, to_world, reader.file.mesh);
     if (!has(member(primitive, "attributes"), "TEXCOORD_0") && reader.without_uvs.empty())
         reader.without_uvs = named_place(mesh, primitive);
     if (has(primitive, "targets"))
         reader.unread.insert("morph targets are not read: a mesh has its shape without them");
-    if (has(primitive, "material"))
-        reader.materials.insert(whole(member(primitive, "material"), 1e9));
 }
 
 Transform local_transform(const Value& node) {
@@ -239,13 +265,6 @@ void add_scene(Reader& reader) {
         add_node(element(member(scene, "nodes"), i), {}, 0, reader);
 }
 
-/// All that a material says of the mesh.
-bool is_double_sided(const Glb& glb, std::size_t material) {
-    if (material >= count_of(document(glb), "materials")) return false;
-    const Value m = element(member(document(glb), "materials"), material);
-    return has(m, "doubleSided") && member(m, "doubleSided").value == true;
-}
-
 /// Whether what it asks for is read, or does not matter here: materials, textures and lights.
 bool is_known(const std::string& extension) {
     for (const char* start : {"KHR_materials_", "KHR_texture_", "EXT_texture_"})
@@ -289,8 +308,6 @@ FoundMesh read_glb(const std::filesystem::path& file) {
     if (reader.others > 0)
         read.notes.push_back(
             fmt::format("{} primitives of points or lines are left out", reader.others));
-    for (const std::size_t material : reader.materials)
-        read.is_double_sided |= is_double_sided(glb, material);
     for (const std::string& text : reader.unread) read.notes.push_back(text);
     if (reader.materials.size() > 1)
         read.notes.push_back(note_of_materials(reader.materials.size()));

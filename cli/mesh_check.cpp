@@ -185,6 +185,7 @@ MeshCheck check_mesh(const Mesh& mesh, int texture_size) {
 std::vector<std::string> complaints(const MeshCheck& check) {
     std::vector<std::string> all;
     constexpr double kFew = 0.001;  // of texels or triangles: rounding, or not worth a sentence
+    constexpr double kLittle = 0.01;
     if (check.overlapping_share > kFew)
         all.push_back(fmt::format(
             "{:.1f} % of the used texels are read by several places of the surface, which get one "
@@ -193,6 +194,11 @@ std::vector<std::string> complaints(const MeshCheck& check) {
     if (share_of(check.without_uv_area, check) > kFew)
         all.push_back(fmt::format("{} of {} triangles have no area in the texture: unwrap them",
                                   check.without_uv_area, check.triangles));
+    if (check.outside == 0 && check.used_share < kLittle &&
+        check.without_area + check.without_uv_area < check.triangles)
+        all.push_back(fmt::format(
+            "all charts together lie on {:.2g} % of the texture: let them fill the unit square",
+            100 * check.used_share));
     if (check.outside > 0)
         all.push_back(fmt::format(
             "{} of {} triangles leave the unit square of the texture, which repeats there",

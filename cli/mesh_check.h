@@ -44,7 +44,8 @@ double extent_of(const MeshCheck& check);
 /// belongs to these stays 0.
 MeshCheck check_mesh(const Mesh& mesh, int texture_size);
 
-/// One sentence for each thing that will go wrong, with what to do.
+/// Of a mesh with texture coordinates: one sentence for each thing that will go wrong, with what to
+/// do.
 std::vector<std::string> complaints(const MeshCheck& check);
 
 }  // namespace burnish

@@ -137,6 +137,35 @@ struct Gltf {
     std::string bytes() const { return glb_bytes(document, data.bytes); }
 };
 
+/// Its material, whose first texture is read with this of glTF's textureInfo.
+void add_material(const Document& texture, Document& document) {
+    document["materials"] = {
+        {{"normalTexture", texture}, {"emissiveTexture", {{"index", 0}, {"texCoord", 7}}}}};
+    document["meshes"][0]["primitives"][0]["material"] = 0;
+}
+
+Document with_transform(const Document& transform) {
+    return {{"index", 0}, {"extensions", {{"KHR_texture_transform", transform}}}};
+}
+
+/// Its texture coordinates in 12 bits of 16, as gltfpack packs them, turned by a quarter or not.
+Gltf packed(const Document& transform, bool is_normalized, bool is_turned) {
+    Gltf gltf;
+    std::array<std::uint16_t, 12> codes{};
+    char* begin = gltf.data.bytes.data() + gltf.data.views[1]["byteOffset"].get<std::size_t>();
+    std::memcpy(codes.data(), begin, sizeof codes);
+    for (std::uint16_t& c : codes) c = static_cast<std::uint16_t>(std::lround(c * 4095 / 65535.0));
+    if (is_turned)
+        for (std::size_t i = 0; i < codes.size(); i += 2) {
+            std::swap(codes[i], codes[i + 1]);
+            codes[i] = static_cast<std::uint16_t>(4095 - codes[i]);
+        }
+    std::memcpy(begin, codes.data(), sizeof codes);
+    gltf.document["accessors"][1]["normalized"] = is_normalized;
+    add_material(with_transform(transform), gltf.document);
+    return gltf;
+}
+
 struct NewSceneTest : Program {
     fs::path obj = folder / "model.obj", ply = folder / "model.ply", glb = folder / "model.glb";
 
@@ -180,6 +209,26 @@ TEST_F(NewSceneTest, ReadsTheSameMeshFromEveryKindOfFile) {
         for (std::size_t i = 0; i < found.size(); ++i)
             for (std::size_t k = 0; k < 5; ++k)
                 EXPECT_NEAR(found[i][k], expected[i][k], 1e-5) << file << i;
+    }
+}
+
+TEST_F(NewSceneTest, ReadsTextureCoordinatesOfIntegersWithTheTransformOfTheTexture) {
+    const auto expected = corners(read_mesh(obj).mesh);
+    const double of_normalized = 65535.0 / 4095, of_codes = 1 / 4095.0;
+    const Gltf files[] = {
+        packed({{"scale", {of_normalized, of_normalized}}}, true, false),
+        packed({{"scale", {of_codes, of_codes}}, {"offset", {0, 0}}}, false, false),
+        packed({{"scale", {of_codes, of_codes}}, {"rotation", 1.57079632679}, {"offset", {0, 1}}},
+               false, true)};
+    for (const Gltf& file : files) {
+        write_text(glb, file.bytes());
+        const FoundMesh read = read_mesh(glb);
+        EXPECT_TRUE(read.notes.empty());
+        const auto found = corners(read.mesh);
+        ASSERT_EQ(found.size(), expected.size());
+        for (std::size_t i = 0; i < found.size(); ++i)
+            for (std::size_t k = 0; k < 5; ++k)
+                EXPECT_NEAR(found[i][k], expected[i][k], 2e-4) << file.document["materials"] << i;
     }
 }
 
@@ -313,6 +362,33 @@ TEST_F(NewSceneTest, SaysWhatOfAFileIsNotRead) {
     const std::string found = notes(glb);
     for (const char* what : {"skins are", "morph targets are", "EXT_mesh_gpu_instancing is"})
         EXPECT_TRUE(contains(found, what + std::string(" not read: a mesh "))) << found;
+}
+
+TEST_F(NewSceneTest, SaysWhereTexturesAreReadElsewhereThanTheirCoordinates) {
+    const auto notes = [&](Gltf gltf, const Document& texture) {
+        write_text(glb, gltf.bytes());
+        const auto without_material = corners(read_mesh(glb).mesh);
+        add_material(texture, gltf.document);
+        write_text(glb, gltf.bytes());
+        const FoundMesh read = read_mesh(glb);
+        EXPECT_EQ(corners(read.mesh), without_material);
+        return read.notes;
+    };
+    using Notes = std::vector<std::string>;
+    const Gltf floats = cube_without_normals(), integers;
+    const Document twice = {{"scale", {2, 2}}};
+    Document other = with_transform(twice);
+    other["extensions"]["KHR_texture_transform"]["texCoord"] = 3;
+    EXPECT_EQ(notes(floats, {{"index", 0}}), Notes{});
+    EXPECT_EQ(notes(floats, with_transform({{"scale", {1, 1}}})), Notes{});
+    EXPECT_EQ(notes(floats, with_transform(twice)),
+              Notes{"KHR_texture_transform is not read: TEXCOORD_0 counts as it is"});
+    EXPECT_EQ(notes(integers, {{"index", 0}, {"texCoord", 1}}),
+              Notes{"TEXCOORD_1 is not read, at which a material has its textures: TEXCOORD_0 "
+                    "counts"});
+    EXPECT_EQ(notes(integers, other),
+              Notes{"TEXCOORD_3 is not read, at which a material has its textures: TEXCOORD_0 "
+                    "counts"});
 }
 
 /// A square, and one with a notch.
@@ -669,6 +745,12 @@ TEST(MeshCheck, SaysWhatIsWrong) {
         flat.uvs[v] = {0.1f, 0.1f}, flat.positions[v + 4] = {0, 0, 0};
     EXPECT_TRUE(contains(complaints_of(flat), "2 of 12 triangles have no area in the texture"));
     EXPECT_TRUE(contains(complaints_of(flat), "2 of 12 triangles have no area\n"));
+
+    Mesh small = unwrapped_cube();
+    for (Vec2f& uv : small.uvs) uv = uv * 0.08f;
+    EXPECT_TRUE(contains(complaints_of(small), "all charts together lie on 0.69 % of the texture"));
+    for (Vec2f& uv : small.uvs) uv = {};
+    EXPECT_FALSE(contains(complaints_of(small), "all charts together"));
 
     Mesh outside = unwrapped_cube();
     for (std::size_t v = 0; v < 4; ++v) outside.uvs[v].y += 1;
