@@ -24,6 +24,8 @@ void check_texture_coordinates(const Scene& scene, Findings& findings);
 void check_textures(const Scene& scene, Findings& findings);
 /// Texels of parameters that several places of a mesh read, apart from repetitions.
 void check_overlaps(const Scene& scene, Findings& findings);
+/// Texels of parameters that several meshes read.
+void check_shared_textures(const Scene& scene, Findings& findings);
 /// Many more texels of parameters than pixels that show them. pixels: parallel to parameters.
 void check_resolution(const Scene& scene, std::span<const double> pixels, Findings& findings);
 /// Closed meshes whose normals point inwards, and normals that contradict their triangles.

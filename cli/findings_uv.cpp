@@ -1,6 +1,7 @@
 // What looks wrong with the textures of unknowns: texels that two places share, more texels than
 // pixels.
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
@@ -32,23 +33,79 @@ bool has_parameter(const Scene& scene, MaterialId material) {
     return false;
 }
 
+constexpr int kSide = 512;            // of a grid: a share of the area is all that is asked
+constexpr double kWorthSaying = 0.1;  // a seam or a hidden rim overlaps, too
+
+UvCovers covers_of(const Mesh& mesh, const UvTransform& to_uv) {
+    UvCovers covers = make_covers(kSide, kSide);
+    add_covers(mesh, to_uv, covers);
+    return covers;
+}
+
+/// The mesh that a shape shows, null where it has no texture coordinates to read textures at.
+const Mesh* unwrapped_mesh(const Scene& scene, const Shape& shape) {
+    const Mesh* mesh = shown_mesh(scene, shape);
+    return mesh && !mesh->uvs.empty() && mesh->lookup_uvs.empty() ? mesh : nullptr;
+}
+
+struct Reader {
+    const Mesh* mesh;
+    std::string shape;  ///< several instances may show the mesh: the first one
+};
+
+std::vector<Reader> readers_of(const Scene& scene, TextureId texture) {
+    std::vector<Reader> readers;
+    std::set<const Mesh*> known;
+    for (const Shape& shape : scene.shapes) {
+        const Mesh* mesh = unwrapped_mesh(scene, shape);
+        if (mesh && std::ranges::count(textures_of(scene, shape.material), texture) > 0 &&
+            known.insert(mesh).second)
+            readers.push_back({mesh, shape.id});
+    }
+    return readers;
+}
+
+/// How many of the meshes cover each texel, at most 2.
+UvCovers count_meshes(const std::vector<Reader>& readers, const UvTransform& to_uv) {
+    UvCovers meshes = make_covers(kSide, kSide);
+    for (const Reader& reader : readers) {
+        const UvCovers covers = covers_of(*reader.mesh, to_uv);
+        for (std::size_t i = 0; i < covers.count.size(); ++i)
+            if (covers.count[i] > 0 && meshes.count[i] < 2) ++meshes.count[i];
+    }
+    return meshes;
+}
+
+/// Those that share so much of what they cover themselves. Where so much of all is shared, they are
+/// two at least.
+std::string sharing_shapes(const std::vector<Reader>& readers, const UvTransform& to_uv,
+                           const UvCovers& meshes) {
+    std::vector<std::string> names;
+    for (const Reader& reader : readers) {
+        const UvCovers covers = covers_of(*reader.mesh, to_uv);
+        std::size_t own = 0, shared = 0;
+        for (std::size_t i = 0; i < covers.count.size(); ++i)
+            if (covers.count[i] > 0) ++own, shared += meshes.count[i] > 1;
+        if (static_cast<double>(shared) > kWorthSaying * static_cast<double>(own))
+            names.push_back("'" + reader.shape + "'");
+    }
+    const std::size_t others = names.size() - std::min<std::size_t>(names.size(), 2);
+    names.resize(names.size() - others);
+    if (others == 0) return fmt::format("{}", fmt::join(names, " and "));
+    return fmt::format("{} and {} other{}", fmt::join(names, ", "), others, others == 1 ? "" : "s");
+}
+
 }  // namespace
 
 void check_overlaps(const Scene& scene, Findings& findings) {
-    constexpr int kSide = 512;            // of the grid: a share of the area is all that is asked
-    constexpr double kWorthSaying = 0.1;  // a seam or a hidden rim overlaps, too
-    std::set<const Mesh*> known;          // several instances may show one
+    std::set<const Mesh*> known;  // several instances may show one
     std::size_t count = 0;
     double most = 0;
     std::string worst;
     for (const Shape& shape : scene.shapes) {
-        const Mesh* mesh = shown_mesh(scene, shape);
-        if (!mesh || mesh->uvs.empty() || !mesh->lookup_uvs.empty() ||
-            !has_parameter(scene, shape.material) || !known.insert(mesh).second)
-            continue;
-        UvCovers covers = make_covers(kSide, kSide);
-        add_covers(*mesh, fitted(*mesh), covers);
-        const double share = shares_of(covers).overlapping;
+        const Mesh* mesh = unwrapped_mesh(scene, shape);
+        if (!mesh || !has_parameter(scene, shape.material) || !known.insert(mesh).second) continue;
+        const double share = shares_of(covers_of(*mesh, fitted(*mesh))).overlapping;
         if (share <= kWorthSaying) continue;
         ++count;
         if (share > most) most = share, worst = shape.id;
@@ -60,6 +117,33 @@ void check_overlaps(const Scene& scene, Findings& findings) {
         "{}: {:.0f} % of its texture lies on several places of the surface, which overlap in "
         "texture coordinates and get one value together",
         which, 100 * most));
+}
+
+void check_shared_textures(const Scene& scene, Findings& findings) {
+    std::size_t count = 0;
+    double most = 0;
+    std::string worst;
+    std::vector<TextureId> known;  // several parameters may be one
+    for (const Parameter& p : scene.parameters) {
+        if (std::ranges::count(known, p.texture) > 0) continue;
+        known.push_back(p.texture);
+        const std::vector<Reader> readers = readers_of(scene, p.texture);
+        if (readers.size() < 2) continue;
+        const UvTransform& to_uv = std::get<Bitmap>(scene[p.texture]).to_uv;
+        const UvCovers meshes = count_meshes(readers, to_uv);
+        const double share = shares_of(meshes).overlapping;
+        if (share <= kWorthSaying) continue;
+        ++count;
+        if (share <= most) continue;
+        most = share;
+        worst = fmt::format(
+            "shapes {} share {:.0f} % of the used texels of {}, which get one value together",
+            sharing_shapes(readers, to_uv, meshes), 100 * share, p.name);
+    }
+    if (count > 1)
+        worst +=
+            fmt::format("; so it is with {} other parameter{}", count - 1, count == 2 ? "" : "s");
+    if (count > 0) findings.push_back(worst);
 }
 
 void check_resolution(const Scene& scene, std::span<const double> pixels, Findings& findings) {

@@ -274,6 +274,7 @@ SceneFacts inspect(const TracedScene& traced, std::span<const TracedScene> views
     check_texture_coordinates(scene, facts.findings);
     check_textures(scene, facts.findings);
     check_overlaps(scene, facts.findings);
+    check_shared_textures(scene, facts.findings);
     check_materials(scene, facts.findings);
     check_orientations(traced, facts.findings);
     check_enclosed_lights(traced, facts.findings);

@@ -55,6 +55,67 @@ TEST(Findings, TexelsOfSeveralPlaces) {
                          "3 shapes, 'shape_0' most of all: 100 % of its texture"));
 }
 
+TEST(Findings, TexelsOfSeveralMeshes) {
+    const TemporaryFolder folder;
+    const std::string first = kSky + textured(folder, 16);
+    const auto square = [&](const std::string& id, const std::string& u0, const std::string& u1) {
+        write_text(folder, id + ".obj",
+                   "v -1 -1 0\nv 1 -1 0\nv 1 1 0\nv -1 1 0\nvt " + u0 + " 0\nvt " + u1 + " 0\nvt " +
+                       u1 + " 1\nvt " + u0 + " 1\nf 1/1 2/2 3/3 4/4\n");
+        return "<shape type='obj' id='" + id + "'><string name='filename' value='" + id +
+               ".obj'/><ref id='m'/></shape>";
+    };
+    const auto findings = [&](const std::string& shapes) {
+        std::string all;
+        for (const std::string& text : findings_of(folder, first + shapes))
+            if (text.find("of the used texels of") != std::string::npos) all += text;
+        return all;
+    };
+    const std::string whole = square("A", "0", "1");
+    const std::string end = " of the used texels of m.reflectance.data, which get one value ";
+    EXPECT_EQ(findings(whole), "");
+    EXPECT_EQ(findings(whole + square("B", "0", "1")),
+              "shapes 'A' and 'B' share 100 %" + end + "together");
+    EXPECT_EQ(findings(whole + square("B", "3", "3.25")),
+              "shapes 'A' and 'B' share 25 %" + end + "together")
+        << "the texture repeats";
+    EXPECT_EQ(findings(square("B", "0", "0.5") + square("C", "0.5", "1")), "")
+        << "halves of an atlas";
+    EXPECT_EQ(findings(whole + square("B", "0.95", "1")), "") << "a seam";
+    EXPECT_EQ(
+        findings(square("B", "0", "0.5") + square("C", "0", "0.5") + square("D", "0.5", "0.75") +
+                 square("E", "0", "0.5") + square("F", "0", "0.5")),
+        "shapes 'B', 'C' and 2 others share 67 %" + end + "together");
+    EXPECT_EQ(findings("<shape type='shapegroup' id='g'>" + whole +
+                       "</shape><shape type='instance'><ref id='g'/></shape><shape "
+                       "type='instance'><ref id='g'/></shape>"),
+              "")
+        << "instances show one mesh";
+}
+
+TEST(Findings, TexelsOfSeveralMeshesAreOneSentenceOfAllParameters) {
+    const TemporaryFolder folder;
+    const std::string texture =
+        "'><string name='filename' value='t.exr'/><transform name='to_uv'><scale x='";
+    const auto material = [&](const std::string& id, const std::string& scale) {
+        return "<bsdf type='diffuse' id='" + id + "'><texture type='bitmap' name='reflectance" +
+               texture + scale + "'/></transform></texture></bsdf>";
+    };
+    const auto panel = [](const std::string& id, const std::string& bsdf) {
+        return "<shape type='rectangle' id='" + id + "'><ref id='" + bsdf + "'/></shape>";
+    };
+    textured(folder, 16);
+    EXPECT_TRUE(mentions(
+        findings_of(folder, kSky + material("p", "1") + material("q", "0.5") + panel("a", "p") +
+                                panel("b", "q") + panel("c", "q") + panel("d", "p")),
+        "shapes 'a' and 'd' share 100 % of the used texels of p.reflectance.data, which get one "
+        "value together; so it is with 1 other parameter"));
+    EXPECT_FALSE(mentions(findings_of(folder, kSky + material("p", "1") + material("q", "0.5") +
+                                                  panel("a", "p") + panel("b", "q")),
+                          "of the used texels of"))
+        << "textures of one file are two";
+}
+
 TEST(Findings, MoreTexelsThanPixels) {
     const TemporaryFolder folder;
     const auto too_many = [&](int size) {
