@@ -48,13 +48,13 @@ const Mesh* unwrapped_mesh(const Scene& scene, const Shape& shape) {
     return mesh && !mesh->uvs.empty() && mesh->lookup_uvs.empty() ? mesh : nullptr;
 }
 
-struct Reader {
+struct TextureReader {
     const Mesh* mesh;
     std::string shape;  ///< several instances may show the mesh: the first one
 };
 
-std::vector<Reader> readers_of(const Scene& scene, TextureId texture) {
-    std::vector<Reader> readers;
+std::vector<TextureReader> readers_of(const Scene& scene, TextureId texture) {
+    std::vector<TextureReader> readers;
     std::set<const Mesh*> known;
     for (const Shape& shape : scene.shapes) {
         const Mesh* mesh = unwrapped_mesh(scene, shape);
@@ -66,9 +66,9 @@ std::vector<Reader> readers_of(const Scene& scene, TextureId texture) {
 }
 
 /// How many of the meshes cover each texel, at most 2.
-UvCovers count_meshes(const std::vector<Reader>& readers, const UvTransform& to_uv) {
+UvCovers count_meshes(const std::vector<TextureReader>& readers, const UvTransform& to_uv) {
     UvCovers meshes = make_covers(kSide, kSide);
-    for (const Reader& reader : readers) {
+    for (const TextureReader& reader : readers) {
         const UvCovers covers = covers_of(*reader.mesh, to_uv);
         for (std::size_t i = 0; i < covers.count.size(); ++i)
             if (covers.count[i] > 0 && meshes.count[i] < 2) ++meshes.count[i];
@@ -78,10 +78,10 @@ UvCovers count_meshes(const std::vector<Reader>& readers, const UvTransform& to_
 
 /// Those that share so much of what they cover themselves. Where so much of all is shared, they are
 /// two at least.
-std::string sharing_shapes(const std::vector<Reader>& readers, const UvTransform& to_uv,
+std::string sharing_shapes(const std::vector<TextureReader>& readers, const UvTransform& to_uv,
                            const UvCovers& meshes) {
     std::vector<std::string> names;
-    for (const Reader& reader : readers) {
+    for (const TextureReader& reader : readers) {
         const UvCovers covers = covers_of(*reader.mesh, to_uv);
         std::size_t own = 0, shared = 0;
         for (std::size_t i = 0; i < covers.count.size(); ++i)
@@ -127,7 +127,7 @@ void check_shared_textures(const Scene& scene, Findings& findings) {
     for (const Parameter& p : scene.parameters) {
         if (std::ranges::count(known, p.texture) > 0) continue;
         known.push_back(p.texture);
-        const std::vector<Reader> readers = readers_of(scene, p.texture);
+        const std::vector<TextureReader> readers = readers_of(scene, p.texture);
         if (readers.size() < 2) continue;
         const UvTransform& to_uv = std::get<Bitmap>(scene[p.texture]).to_uv;
         const UvCovers meshes = count_meshes(readers, to_uv);
