@@ -47,6 +47,24 @@ bool contains(const UvTriangle& t, const Vec2<double>& p) {
     return true;
 }
 
+struct Span {
+    double low, high;
+};
+
+/// Where a row of the plane that meets a triangle lies within, but for rounding; low above high:
+/// nowhere.
+Span span_of(const UvTriangle& t, double y) {
+    Span span{-INFINITY, INFINITY};
+    for (std::size_t i = 0; i < 3; ++i) {
+        const Vec2<double>&a = t[i], &b = t[(i + 1) % 3];
+        if (a.y == b.y) continue;
+        const double x = a.x + (b.x - a.x) * ((y - a.y) / (b.y - a.y));
+        if (b.y > a.y) span.high = std::min(span.high, x);
+        if (b.y < a.y) span.low = std::max(span.low, x);
+    }
+    return span;
+}
+
 /// A number for each place: vertices are apart where texture coordinates or normals differ.
 std::vector<std::uint32_t> places_of(const Mesh& mesh) {
     std::map<std::tuple<float, float, float>, std::uint32_t> known;
@@ -134,9 +152,7 @@ UvCovers make_covers(int width, int height) {
 
 void add_covers(const Mesh& mesh, const UvTransform& to_uv, UvCovers& covers) {
     const int width = covers.width, height = covers.height;
-    const auto wrapped = [](int i, int size) {
-        return static_cast<std::size_t>(((i % size) + size) % size);
-    };
+    const auto wrapped = [](int i, int size) { return ((i % size) + size) % size; };
     for (const Triangle& triangle : mesh.triangles) {
         const UvTriangle t = uv_triangle(mesh, triangle, to_uv, width, height);
         const auto [x0, x1] = std::minmax({t[0].x, t[1].x, t[2].x});
@@ -145,14 +161,20 @@ void add_covers(const Mesh& mesh, const UvTransform& to_uv, UvCovers& covers) {
         if (!(x1 - x0 <= 2 * width && y1 - y0 <= 2 * height && std::abs(x0) < 1e6 &&
               std::abs(y0) < 1e6))
             continue;
-        for (int y = static_cast<int>(std::floor(y0)); y <= static_cast<int>(y1); ++y)
-            for (int x = static_cast<int>(std::floor(x0)); x <= static_cast<int>(x1); ++x)
-                if (contains(t, {x + 0.5, y + 0.5})) {
-                    unsigned char& count =
-                        covers.count[wrapped(y, height) * static_cast<std::size_t>(width) +
-                                     wrapped(x, width)];
-                    if (count < 2) ++count;
-                }
+        const int top = static_cast<int>(std::ceil(y0 - 0.5));
+        for (int y = top; y + 0.5 <= y1; ++y) {
+            const Span span = span_of(t, y + 0.5);
+            const int first = static_cast<int>(std::floor(std::clamp(span.low - 1, x0, x1)));
+            const int last = static_cast<int>(std::floor(std::clamp(span.high + 1, x0, x1)));
+            unsigned char* const row =
+                covers.count.data() +
+                static_cast<std::size_t>(width) * static_cast<std::size_t>(wrapped(y, height));
+            for (int x = first, column = wrapped(first, width); x <= last; ++x) {
+                const bool inside = x > span.low + 1 && x + 1 < span.high - 1;
+                if ((inside || contains(t, {x + 0.5, y + 0.5})) && row[column] < 2) ++row[column];
+                if (++column == width) column = 0;
+            }
+        }
     }
 }
 

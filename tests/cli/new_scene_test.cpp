@@ -720,6 +720,42 @@ TEST(MeshCheck, FindsNothingWrongWithAnUnwrappedCube) {
     EXPECT_EQ(complaints(check), std::vector<std::string>{});
 }
 
+/// In texels: whether a point lies within the triangle, which may be clockwise.
+bool lies_within(const Mesh& mesh, const Triangle& t, double x, double y, int width, int height) {
+    const auto side_of = [&](std::size_t i) {
+        const Vec2f a = mesh.uvs[t.vertex[i]], b = mesh.uvs[t.vertex[(i + 1) % 3]];
+        const double ax = double{a.x} * width, ay = double{a.y} * height;
+        return (double{b.x} * width - ax) * (y - ay) - (double{b.y} * height - ay) * (x - ax);
+    };
+    const double s = side_of(0), u = side_of(1), v = side_of(2);
+    return (s > 0 && u > 0 && v > 0) || (s < 0 && u < 0 && v < 0);
+}
+
+TEST(MeshCheck, CoversAreThoseOfEachTexelsCentre) {
+    constexpr int kWidth = 37, kHeight = 21;
+    std::mt19937 random(3);
+    std::uniform_real_distribution<float> anywhere(-0.7f, 1.3f), little(-0.03f, 0.03f);
+    for (int round = 0; round < 400; ++round) {
+        Mesh mesh;
+        mesh.triangles = {{{0, 1, 2}}};
+        const Vec2f first{anywhere(random), anywhere(random)};
+        for (int i = 0; i < 3; ++i)  // large ones, small ones and thin ones
+            mesh.uvs.push_back({round % 2 == 0 ? anywhere(random) : first.x + little(random),
+                                round % 4 < 2 ? anywhere(random) : first.y + little(random)});
+        UvCovers covers = make_covers(kWidth, kHeight), expected = covers;
+        add_covers(mesh, {}, covers);
+        for (int y = -kHeight; y < 2 * kHeight; ++y)
+            for (int x = -kWidth; x < 2 * kWidth; ++x) {
+                const int texel = (y + kHeight) % kHeight * kWidth + (x + kWidth) % kWidth;
+                auto& count = expected.count[static_cast<std::size_t>(texel)];
+                if (count < 2 &&
+                    lies_within(mesh, mesh.triangles[0], x + 0.5, y + 0.5, kWidth, kHeight))
+                    ++count;
+            }
+        EXPECT_EQ(covers.count, expected.count) << round;
+    }
+}
+
 std::string complaints_of(const Mesh& mesh) {
     std::string all;
     for (const std::string& text : complaints(check_mesh(mesh, 60))) all += text + "\n";
