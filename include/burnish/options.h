@@ -178,8 +178,8 @@ struct Options {
     /// Without any rule: 200 iterations.
     Stop stop = {};
     /// Samples per pixel of the result's evaluation, at most 2^20, half of them for each of two
-    /// images: an odd number loses one, 1 counts as 2. 0: as many as fit into a tenth of the run,
-    /// or three seconds where that is longer, at most 256.
+    /// images: an odd number loses one, 1 counts as 2. 0: a fifth as many as iterations visited
+    /// each pixel, or 2^22 in all where that is more, at most 256.
     std::uint32_t evaluation_samples = 0;
 
     friend bool operator==(const Options&, const Options&) = default;

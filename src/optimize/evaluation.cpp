@@ -7,6 +7,7 @@
 #include "core/random.h"
 #include "core/require.h"
 #include "image/quality.h"
+#include "optimize/batch.h"
 #include "optimize/ranks.h"
 #include "optimize/state_fields.h"
 #include "optimize/view_loss.h"
@@ -44,15 +45,8 @@ void share_evaluations(const Setup& setup, std::vector<ViewEvaluation>& views) {
     for (std::size_t i = 0; i < views.size(); ++i) views[i].image = std::move(images[i]);
 }
 
-/// As many samples of the result as fit into a tenth of the run, or three seconds where that is
-/// longer: on the slowest process.
-std::uint32_t affordable_samples(const Ranks& ranks, double seconds, double seconds_per_sample) {
-    constexpr double kMaxSamples = 256;
-    constexpr double kShare = 0.1, kMinSeconds = 3;
-    const std::vector<double> each = all_values(ranks, seconds_per_sample);
-    const double slowest = std::max(*std::max_element(each.begin(), each.end()), 1e-9);
-    return static_cast<std::uint32_t>(
-        std::clamp(std::max(kShare * seconds, kMinSeconds) / slowest, 2.0, kMaxSamples));
+double pixels_of(const Setup& setup, std::size_t view) {
+    return double{1} * setup.views[view].width() * setup.views[view].height();
 }
 
 double psnr_of(const Setup& setup, std::size_t view, const Theta& theta,
@@ -134,13 +128,22 @@ Evaluation evaluate(const Setup& setup, const Theta& theta, std::uint32_t sample
     return result;
 }
 
-Evaluation evaluate_result(const Setup& setup, const Theta& theta, double seconds,
-                           double seconds_per_sample, const Progress& progress) {
+std::uint32_t result_samples(double visited, double pixels) {
+    constexpr double kOfVisit = 0.2, kMinOfAll = 1 << 22, kMaxSamples = 256;
+    return static_cast<std::uint32_t>(
+        std::clamp(std::max(kOfVisit * visited, kMinOfAll) / pixels, 2.0, kMaxSamples));
+}
+
+Evaluation evaluate_result(const Setup& setup, const Theta& theta, std::size_t iterations,
+                           const Progress& progress) {
     const std::uint32_t asked = setup.options.evaluation_samples;
-    const std::uint32_t samples =
-        asked > 0 ? std::max(2u, asked)
-                  : affordable_samples(setup.problem.ranks, seconds, seconds_per_sample);
-    return evaluate(setup, theta, samples, kResult, progress);
+    if (asked > 0) return evaluate(setup, theta, std::max(2u, asked), kResult, progress);
+    double all = 0, fitted = 0;
+    for (std::size_t view = 0; view < setup.views.size(); ++view) all += pixels_of(setup, view);
+    for (const std::size_t view : setup.fitted) fitted += pixels_of(setup, view);
+    const double visited = static_cast<double>(iterations * batch_size(setup)) * fitted /
+                           static_cast<double>(setup.fitted.size());
+    return evaluate(setup, theta, result_samples(visited, all), kResult, progress);
 }
 
 double check_loss(const Setup& setup, const Theta& theta) {

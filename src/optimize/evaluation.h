@@ -32,10 +32,15 @@ Image evaluation_image(const Setup& setup, std::size_t view, const Theta& theta,
 Evaluation evaluate(const Setup& setup, const Theta& theta, std::uint32_t samples_per_pixel,
                     std::uint32_t salt, const Progress& progress = {});
 
-/// Of a result that took so many seconds: as many samples as fit into a tenth of these, or three
-/// seconds where that is longer. seconds_per_sample: of all views, on this process.
-Evaluation evaluate_result(const Setup& setup, const Theta& theta, double seconds,
-                           double seconds_per_sample, const Progress& progress);
+/// Of a result, per pixel, where no number is asked for: 2 to 256. It follows from the work alone,
+/// so that it is the same on every machine: a fifth of a sample for each pixel that an iteration
+/// visited, which takes about a tenth of the run, or 2^22 in all, a second or a few, where these
+/// are more. visited: pixels of all iterations. pixels: of all views; at least 1.
+std::uint32_t result_samples(double visited, double pixels);
+
+/// Of the result of so many iterations.
+Evaluation evaluate_result(const Setup& setup, const Theta& theta, std::size_t iterations,
+                           const Progress& progress);
 
 /// The loss of textures without noise on average, with the same samples each time, so that most of
 /// their noise is no difference between two times.

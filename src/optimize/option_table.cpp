@@ -262,7 +262,8 @@ constexpr OptionRow kTable[] = {
       .flag = "--evaluation-spp",
       .sentence =
           "Samples per pixel that evaluate the result, in two halves: an odd number loses one, 1 "
-          "counts as 2; auto: as many as fit into a tenth of the run or 3 seconds, at most 256",
+          "counts as 2; auto: a fifth as many as iterations visited each pixel, or 4 million in "
+          "all where that is more, at most 256",
       .range = {1, kMaxSamplesPerPixel, true},
       .unset = "auto"},
      of_options<&Options::evaluation_samples>()},

@@ -224,11 +224,9 @@ Ending iterate_until_end(const Callback& callback, Solver& solver, Summary& summ
 /// start: where the run began.
 void evaluate_textures(Solver::Impl& run, const Theta& start, const StageProgress& progress,
                        Summary& summary) {
-    const Stopwatch watch;
     summary.start = evaluate_start(run.setup, start, stage_of(progress, "rendering the start"));
-    const double seconds_per_sample = watch.total() / summary.start.samples_per_pixel;
     Theta theta = take_theta(run.setup, summary.textures);
-    summary.result = evaluate_result(run.setup, theta, summary.seconds, seconds_per_sample,
+    summary.result = evaluate_result(run.setup, theta, summary.counts.iterations,
                                      stage_of(progress, "evaluating the result"));
     for (std::size_t i = 0; i < summary.textures.size(); ++i)
         summary.textures[i].values = std::move(theta.textures[i].values);

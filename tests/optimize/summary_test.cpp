@@ -12,6 +12,7 @@
 #include "image/quality.h"
 #include "ledger_entries.h"
 #include "optimize/estimators.h"
+#include "optimize/evaluation.h"
 #include "optimize/floor_scene.h"
 #include "optimize/loss.h"
 #include "optimize/small_problem.h"
@@ -399,6 +400,14 @@ TEST(Summary, LossesHoldNoNoiseOnAverage) {
         EXPECT_TRUE(rejected(entry, "loss of a noisy image", p(2)));
         EXPECT_TRUE(rejected(entry, "half the noise floor", p(3)));
     }
+}
+
+TEST(Evaluation, SamplesOfTheResultFollowFromTheWork) {
+    EXPECT_EQ(result_samples(0, 64), 256u) << "the most";
+    EXPECT_EQ(result_samples(0, 1e9), 2u) << "the least";
+    EXPECT_EQ(result_samples(5 * 1e6, 1e6), 4u) << "four million of a short run";
+    EXPECT_EQ(result_samples(400 * 2e6, 2e6), 80u) << "a fifth as many as iterations";
+    EXPECT_EQ(result_samples(400 * 2e6, 8 * 2e6), 10u) << "one view an iteration of eight";
 }
 
 }  // namespace
