@@ -53,7 +53,8 @@ MemoryEstimate plan_cache(const RunViews& views, std::span<const PathCachePlan> 
     auto& cache = std::get<PathCache>(options.estimator);
     const std::size_t asked = std::exchange(cache.max_bytes, 0);
     const double others =
-        without_records(estimate_memory(cache, views, {}, theta, options.seed, options.batch));
+        without_records(estimate_memory(cache, views, {}, theta, options.seed, options.batch)) +
+        fresh_bytes(cache, plans, options.batch);
     const double least = 2.0 * static_cast<double>(max_bytes_per_pass(plans));
     const double left = limit - others;
     const std::size_t all = bytes_of_windows(cache, plans);

@@ -204,6 +204,13 @@ std::size_t max_bytes_per_pass(std::span<const PathCachePlan> plans) {
     return most;
 }
 
+double fresh_bytes(const PathCache& cache, std::span<const PathCachePlan> plans,
+                   std::size_t batch) {
+    return static_cast<double>(std::min(batch, plans.size())) *
+           fresh_passes(cache.samples, cache.window) *
+           static_cast<double>(max_bytes_per_pass(plans));
+}
+
 namespace {
 
 bool shares_limit(const Estimator& estimator, std::size_t views) {
@@ -289,6 +296,7 @@ MemoryEstimate estimate_memory(const Estimator& estimator, const RunViews& views
     if (plans.empty()) return estimate;
     const ViewShare share = share_memory(estimator, plans);
     const PathCache cache = kept_cache(share.estimator)->options;
+    estimate.samples += fresh_bytes(cache, plans, batch);
     const std::vector<double> shares = record_shares(views, theta, seed);
     for (const RecordBytes& view : record_bytes(cache, plans, shares)) {
         const auto take_in = [&](double& sum, double bytes) {

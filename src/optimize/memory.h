@@ -19,7 +19,7 @@ struct MemoryEstimate {
     double scene = 0;        ///< the program, geometry, ray structures, textures, sky
     double textures = 0;     ///< the unknowns, with the optimiser's state and gradients
     double images = 0;       ///< all of the film's size
-    double samples = 0;      ///< fresh samples of an iteration and reservoirs
+    double samples = 0;      ///< fresh samples of an iteration, of path caches too, and reservoirs
     double records = 0;      ///< of kept path caches, as many as a trial of their pixels promises
     double max_records = 0;  ///< of a path cache, if both samples of every camera sample carried
                              ///< light
@@ -72,6 +72,10 @@ ViewShare share_memory(const Estimator& estimator, std::span<const TracedScene> 
 
 /// The most that a pass of a view's path cache takes, 0 without plans.
 std::size_t max_bytes_per_pass(std::span<const PathCachePlan> plans);
+
+/// The most that the passes take which an iteration traces into path caches, beside those that they
+/// replace: these are kept until the iteration is done. As estimate_memory.
+double fresh_bytes(const PathCache& cache, std::span<const PathCachePlan> plans, std::size_t batch);
 
 /// The bytes that a scene takes once it is ready to be rendered.
 double scene_memory(const Scene& scene);

@@ -18,7 +18,8 @@ constexpr Range kDecay{0, 0.999999};
 
 // One sentence each for what several estimators have.
 constexpr const char* kSpp =
-    "Samples per pixel of the image in an iteration; path_cache: fresh ones";
+    "Fresh samples per pixel of the image in an iteration; where older ones are kept, too, at most "
+    "twice the window";
 constexpr const char* kImageWindow =
     "The most passes of the image that each of two halves keeps and shades again; 0: fresh samples "
     "alone";

@@ -24,6 +24,18 @@ TEST_F(WithoutEffect, IsWarnedOf) {
         << all.err;
     EXPECT_TRUE(contains(all.err, "batch has no effect above 1")) << all.err;
 
+    const Outcome passes = run(command + "--set path_cache.window=1 --spp 5 -o passes");
+    EXPECT_TRUE(contains(passes.err,
+                         "path_cache.samples has no effect above 2, twice "
+                         "path_cache.window: found 5"))
+        << passes.err;
+    const Outcome image =
+        run(command + "--estimator mc --set monte_carlo.image_window=2 --spp 5 " + "-o image");
+    EXPECT_TRUE(contains(image.err,
+                         "monte_carlo.image_samples has no effect above 4, twice "
+                         "monte_carlo.image_window: found 5"))
+        << image.err;
+
     const Outcome none = run(command + "-o none");
     ASSERT_EQ(none.code, 0) << none.err;
     EXPECT_FALSE(contains(none.err, "no effect")) << none.err;

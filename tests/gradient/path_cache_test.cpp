@@ -313,6 +313,22 @@ TEST(PathCache, IsAnEstimatorWhoseHalvesWeighEachOther) {
     EXPECT_EQ(std::get<PathCacheState>(state), small.state);
 }
 
+TEST(PathCache, TracesNoPassThatItDoesNotKeep) {
+    SmallCache small;
+    std::array<EstimatorState, 2> states;
+    for (std::size_t i = 0; i < 2; ++i) {
+        const Estimator estimator = PathCache{.samples = i == 0 ? 4u : 10u, .window = 2};
+        states[i] = make_state(estimator);
+        EstimatorWorkspace workspace =
+            make_workspace(estimator, small.binding, reaching_pixels(small.binding));
+        for (std::uint32_t v = 0; v < 2; ++v)
+            estimate_image(estimator, small.binding, {5, v}, states[i], workspace);
+        for (const CacheHalf& half : std::get<PathCacheState>(states[i]).halves)
+            EXPECT_EQ(half.passes_traced, 4u) << "two in each iteration";
+    }
+    EXPECT_EQ(std::get<PathCacheState>(states[0]), std::get<PathCacheState>(states[1]));
+}
+
 // ---- Caches of images alone
 
 TEST(PathCache, ImagesAloneAreThoseOfImagesAndGradients) {

@@ -45,7 +45,18 @@ TEST(Memory, OfRecordsIsWhatAPathCacheHolds) {
     const auto actual = static_cast<double>(size_of(state, workspace).bytes);
     EXPECT_NEAR(estimate.records, actual, 0.15 * actual);
     EXPECT_LT(actual, estimate.max_records);
-    EXPECT_EQ(estimate.samples, 0);
+    EXPECT_DOUBLE_EQ(estimate.samples, estimate.max_records) << "six fresh passes, and six kept";
+}
+
+TEST(Memory, OfFreshPassesEndsAtWhatTheCacheKeeps) {
+    const Scene scene = test::small_scene_of(32);
+    const Theta theta = test::theta_of(scene);
+    PathCache cache{.samples = 64, .window = 1};
+    const MemoryEstimate many = memory_of(cache, scene, theta);
+    cache.samples = 2;
+    EXPECT_DOUBLE_EQ(many.samples, memory_of(cache, scene, theta).samples);
+    cache.samples = 1;
+    EXPECT_DOUBLE_EQ(many.samples, 2 * memory_of(cache, scene, theta).samples);
 }
 
 TEST(Memory, OfRecordsKeepsWithinALimit) {

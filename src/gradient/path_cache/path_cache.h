@@ -18,6 +18,7 @@
 // that moved them: unbiased is the gradient along a script of textures, not that of a closed loop.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <deque>
 
@@ -125,6 +126,11 @@ std::size_t trace_pass(const PathCacheInput& input, std::size_t half,
 /// empty. Returns the number of samples that were not finite.
 std::size_t trace_passes(const PathCacheInput& input, std::uint32_t passes,
                          const PathCacheWorkspace& workspace, PathCacheState& state);
+
+/// The passes that an iteration traces: so many, but no more than two halves of a window keep.
+inline std::uint32_t fresh_passes(std::uint32_t samples, std::uint32_t window) {
+    return std::min(samples, 2 * window);
+}
 
 /// Of each half, oldest first.
 using DroppedPasses = std::array<std::vector<CachedPass>, 2>;
