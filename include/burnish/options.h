@@ -73,7 +73,8 @@ struct Reservoirs {
 /// The records of the last passes, all shaded again in each iteration. Two halves of samples that
 /// know nothing of each other give the image, the gradient, and most of the gradient's noise.
 struct PathCache {
-    std::uint32_t samples = 4;  ///< fresh ones per pixel in an iteration, at least 1
+    /// Fresh ones per pixel in an iteration, at least 1; more than 2 K are not traced.
+    std::uint32_t samples = 4;
     std::uint32_t window = 32;  ///< K: the most passes that a half keeps, at least 1
     std::size_t max_bytes = 0;  ///< that the records may take; 0: any. Shortens the window
     Sequence sequence = Sequence::kSobol;  ///< of the passes of a half
