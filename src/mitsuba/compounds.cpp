@@ -87,6 +87,12 @@ void load_instance(Loader& loader, Properties& properties) {
     const std::vector<const Property*> shapes = take_tag(properties, "shape");
     if (shapes.size() != 1 || attribute(*shapes[0]->node, "type") != "shapegroup")
         fail(place, "the instance names no shapegroup or several, expected one");
+    for (const char* tag : {"bsdf", "emitter"})
+        for (const Property* child : take_tag(properties, tag))
+            fail(child->site->place,
+                 fmt::format("found \"{}\" inside \"instance\", expected it on the shapes of the "
+                             "shapegroup",
+                             tag));
     const Transform to_world = take_transform(properties, "to_world").value_or(Transform{});
     const Transform to_local = to_local_of(place, to_world);
     const std::string id = id_or(*properties.node, fmt::format("shape_{}", loader.shapes++));

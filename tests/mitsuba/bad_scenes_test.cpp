@@ -46,6 +46,10 @@ const BadScene kBadScenes[] = {
      "2:1: the instance names no shapegroup or several, expected one"},
     {"InstanceOfACube", "<shape type='cube' id='c'/><shape type='instance'><ref id='c'/></shape>",
      "2:28: the instance names no shapegroup or several, expected one"},
+    {"MaterialOfAnInstance",
+     "<shape type='shapegroup' id='g'><shape type='cube'/></shape>\n<shape type='instance'>"
+     "<ref id='g'/>\n<bsdf type='diffuse'/></shape>",
+     "4:1: found \"bsdf\" inside \"instance\", expected it on the shapes of the shapegroup"},
     {"EmptyGroup", "<shape type='shapegroup'/>",
      "2:1: the shapegroup is empty, expected a shape inside"},
     {"NestedGroup",
