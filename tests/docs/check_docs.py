@@ -15,6 +15,8 @@ import tempfile
 MAX_LINE = 120
 MAX_DECISION_LINES = 60
 MAX_ARCHITECTURE_LINES = 150
+MAX_SHORT_ENTRY = 12  # words of more than three letters up to which entries of the changes are not compared
+MAX_SHARED = 0.9  # of these words, in two entries
 # The first folder of a path in backticks that is taken for a file of this repository.
 FOLDERS = {"bench", "cli", "docs", "examples", "experiments", "include", "python", "scenes", "scripts", "src", "tests"}
 # Words of earlier versions, and words of history. Pages of decisions and of changes may use them.
@@ -29,6 +31,7 @@ MACHINE_STATE = [
 ]
 
 LINK = re.compile(r"!?\[[^\]]*\]\(([^)\s]+)\)")
+WRITTEN = re.compile(r"-o +([^\s\"'`]+)")
 CODE_SPAN = re.compile(r"`[^`]*`")
 PATH_SPAN = re.compile(r"`([A-Za-z0-9_.*/-]+/[A-Za-z0-9_.*/-]*)`")
 
@@ -141,11 +144,64 @@ def decision_form(page):
         return
     if len(page.lines) > MAX_DECISION_LINES:
         yield MAX_DECISION_LINES + 1, f"is longer than {MAX_DECISION_LINES} lines"
-    if not re.match(r"Status: .*\b(accepted|rejected|removed|default|defaults)\b.*\d{4}-\d\d-\d\d", "\n".join(page.lines[2:3])):
+    status = paragraph(page.lines[2:])
+    if not re.match(r"Status: .*\b(accepted|rejected|removed|default|defaults)\b.*\d{4}-\d\d-\d\d", status):
         yield 3, "expected 'Status: accepted, rejected or removed', and a date"
     index = page.path.parent / "README.md"
-    if index.exists() and page.path.name not in index.read_text():
+    if not index.exists():
+        return
+    rows = [paragraph([row]) for row in index.read_text().split("\n- ")]
+    listed = [row.split(f"]({page.path.name}): ")[1] for row in rows if f"]({page.path.name}): " in row]
+    if not listed:
         yield 1, "is not listed in README.md beside it"
+    elif without_links(listed[0]) != without_links(status.removeprefix("Status: ")):
+        yield 3, "has another status in README.md beside it"
+
+
+def paragraph(lines):
+    """The text up to an empty line, as one line."""
+    return re.sub(r"\s+", " ", "\n".join(lines).split("\n\n")[0]).strip()
+
+
+def without_links(text):
+    return re.sub(r"\[([^\]]*)\]\([^)]*\)", r"\1", text)
+
+
+def folders_of_the_demo(page):
+    """`burnish` refuses a folder that another command has made: no page may write where the demo did before."""
+    demo = page.root / "demo"
+    taken = {folder.rstrip("/") for folder in WRITTEN.findall(demo.read_text())} if demo.exists() else set()
+    for number, line in enumerate(page.lines, 1):
+        for folder in WRITTEN.findall(line):
+            if not page.is_decision and folder.rstrip("/") in taken:
+                yield number, f"writes to {folder}, to which demo writes"
+
+
+def entries_of(lines):
+    """(line number, text) of the entries of a list."""
+    entries = []
+    for number, line in enumerate(lines, 1):
+        if line.startswith("- "):
+            entries.append((number, line))
+        elif line.startswith("  ") and entries:
+            entries[-1] = (entries[-1][0], entries[-1][1] + line)
+    return entries
+
+
+def repeated_entries(page):
+    """Entries of one version of the changes that share nearly all words of more than three letters."""
+    if page.name != "CHANGELOG.md":
+        return
+    starts = [i for i, line in enumerate(page.lines) if line.startswith("## ")] + [len(page.lines)]
+    for start, end in zip(starts, starts[1:]):
+        known = []
+        for number, text in entries_of(page.lines[start:end]):
+            words = set(re.findall(r"\w{4,}", text.lower()))
+            for other, others in known:
+                shorter = min(len(words), len(others))
+                if shorter > MAX_SHORT_ENTRY and len(words & others) >= MAX_SHARED * shorter:
+                    yield start + number, f"says again what line {start + other} says"
+            known.append((number, words))
 
 
 def architecture_length(page):
@@ -155,7 +211,7 @@ def architecture_length(page):
 
 PAGE_RULES = [
     broken_links, missing_files, long_lines, srun_without_cores, banned_words, machine_states, decision_form,
-    architecture_length,
+    architecture_length, folders_of_the_demo, repeated_entries,
 ]
 
 
@@ -182,10 +238,15 @@ def violations(root):
     return found + [f"{page.name}:1: no chain of links from README.md leads here" for page in unreachable(root, pages)]
 
 
+ENTRY = "- Scenes, cameras, films, lights, shapes, meshes, bitmaps, emitters, sensors, textures, masks and views are\n"
+
+
 def self_test():
     clean = {
         "README.md": "# Name\n\nSee [a page](docs/page.md#a-heading) and `src/file.h`.\n\n    pool --option\n",
         "src/file.h": "",
+        "demo": "burnish scene name -o out/scene\n",
+        "CHANGELOG.md": f"# Changelog\n\n## 2.0\n\n{ENTRY}  so.\n\n## 1.0\n\n{ENTRY}  so.\n",
         "docs/page.md": "# Page\n\n## A heading\n\n[decisions](decisions/001-it.md)\n",
         "docs/decisions/001-it.md": "# 001 It\n\nStatus: rejected, 2026-01-31\n\nThe pool.\n",
     }
@@ -200,6 +261,11 @@ def self_test():
         "docs/decisions/001-it.md:61: is longer": ("docs/decisions/001-it.md", "x\n" * 60),
         "docs/decisions/002.md:3: expected": ("docs/decisions/002.md", "# 002\n\nIt was so.\n[x](001-it.md)\n"),
         "docs/decisions/001-it.md:1: is not listed": ("docs/decisions/README.md", "# Decisions\n"),
+        "docs/decisions/001-it.md:3: has another status": (
+            "docs/decisions/README.md", "# Decisions\n\n- [001 It](001-it.md):\n  rejected, 2026-02-01\n"),
+        "docs/page.md:7: writes to out/scene": ("docs/page.md", "\n    burnish optimize scene.xml -o out/scene/\n"),
+        "CHANGELOG.md:18: says again what line 15": (
+            "CHANGELOG.md", f"\n## Unreleased\n\n{ENTRY}  alike.\n\n{ENTRY}  other words.\n"),
         "docs/architecture.md:151: is longer": ("docs/architecture.md", "x\n" * 151),
         "docs/lost.md:1: no chain": ("docs/lost.md", "# Lost\n"),
     }
