@@ -78,6 +78,9 @@ def page(sources):
                 out += ["", "```python", *fields, "```"]
             for child in filter(is_shown, node.body):
                 out += member(child, node.name)
+        elif isinstance(node, ast.AnnAssign) and not ast.unparse(node.target).startswith("_"):
+            name = ast.unparse(node.target)  # its value changes with each version
+            out += ["", f"## {name}", "", "```python", f"{name}: {ast.unparse(node.annotation)}", "```"]
         elif is_shown(node):
             out += ["", f"## {node.name}", *member(node, "")]
     return re.sub(r"\n{3,}", "\n\n", "\n".join(line.rstrip() for line in out)).strip() + "\n"
