@@ -284,10 +284,11 @@ void bind_environment(nb::module_& m) {
 }
 
 void bind_lighting(nb::module_& m) {
-    nb::class_<Lighting>(m, "Lighting",
-                         "What shines. emitters: ids of those that are on; None: all of the scene. "
-                         "environment: in the place of the\nscene's.",
-                         nb::type_slots(kNoHash))
+    nb::class_<Lighting>(
+        m, "Lighting",
+        "What shines. emitters: ids of those that are on; None: all of the scene. "
+        "environment: in the place of the\nscene's; it is on whatever emitters says.",
+        nb::type_slots(kNoHash))
         .def(
             "__init__",
             [](Lighting* self, std::optional<std::vector<std::string>> emitters,
