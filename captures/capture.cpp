@@ -10,6 +10,7 @@
 #include "captures/json_value.h"
 #include "core/positive_float.h"
 #include "core/require.h"
+#include "core/transform.h"
 #include "image/image.h"
 #include "image/texels.h"
 
@@ -36,9 +37,15 @@ Camera camera_with_model(const Value& v) {
         require_member(v, name);
     const CameraModel* model = find_camera_model(text(member(v, "model")));
     if (!model) fail(member(v, "model"), "one of " + camera_model_names());
+    const Value params = member(v, "params"), to_world = member(v, "camera_to_world");
     Camera camera = make_camera(*model, side(member(v, "width")), side(member(v, "height")),
-                                numbers(member(v, "params"), parameter_count(*model)));
-    camera.camera_to_world = matrix(member(v, "camera_to_world"));
+                                numbers(params, parameter_count(*model)));
+    for (std::size_t i = 0; i < model->focals; ++i)
+        if (number(element(params, i)) <= 0)
+            fail(element(params, i), "a focal length above 0, in pixels");
+    camera.camera_to_world = matrix(to_world);
+    if (!is_rigid(Transform{camera.camera_to_world}))
+        fail(to_world, "a rotation and a translation that do not scale, shear or mirror");
     const std::array<double, 3> signs = axes(v);
     for (std::size_t row = 0; row < 3; ++row)
         for (std::size_t c = 0; c < 3; ++c) camera.camera_to_world[4 * row + c] *= signs[c];
@@ -50,6 +57,7 @@ ViewCamera camera_of(const Value& v) {
         check_object(v, {"sensor"});
         const Value sensor = member(v, "sensor");
         if (sensor.value.is_number_unsigned()) return Sensor{sensor.value.dump()};
+        if (!sensor.value.is_string()) fail(sensor, "the id of a sensor, or its number from 0");
         return Sensor{text(sensor)};
     }
     return camera_with_model(v);

@@ -167,9 +167,9 @@ std::vector<std::string> picture_warnings(const std::vector<CapturedView>& views
     for (std::size_t i = 0; i < views.size(); ++i) {
         const Photograph& p = photographs[i];
         if (p.negative_pixels > 0)
-            warnings.push_back(fmt::format("{}: {} pixels have values below 0",
-                                           name_and_file(views[i], i),
-                                           count_text(p.negative_pixels)));
+            warnings.push_back(fmt::format(
+                "{}: {} pixel{} values below 0", name_and_file(views[i], i),
+                count_text(p.negative_pixels), p.negative_pixels == 1 ? " has" : "s have"));
         if (!p.profile.empty() && p.profile.find("sRGB") == std::string::npos)
             warnings.push_back(fmt::format(
                 "{} has the colour profile \"{}\", which is not read: convert it to sRGB",

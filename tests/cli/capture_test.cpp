@@ -134,11 +134,22 @@ TEST_F(CaptureTest, WhatIsWrongIsSaidWithItsKey) {
         {with_keys(R"(, "image": "a.exr", "encoding": {"gamma": 0})"),
          "views[0].encoding.gamma: found 0, expected a number above 0"},
         {with_keys(R"(, "encoding": "srgb")"), "expected an image that it is the encoding of"},
+        {R"({"version": 1, "scene": "s", "views": [{"camera": {"sensor": -1}}]})",
+         "camera.sensor: found -1, expected the id of a sensor, or its number from 0"},
+        {R"({"version": 1, "scene": "s", "views": [{"camera": {"sensor": 1.5}}]})",
+         "camera.sensor: found 1.5, expected the id of a sensor"},
         {with_camera("\"model\": \"PINHOLE\""), "views[0].camera: expected the key \"width\""},
         {with_camera("\"model\": \"FISH\", " + camera), "camera.model: found \"FISH\", expected"},
         {with_camera("\"model\": \"OPENCV\", " + camera), "expected an array of 8 numbers"},
         {with_camera("\"model\": \"SIMPLE_PINHOLE\", " + camera),
          "camera.params: found [1,2,3,4], expected an array of 3 numbers"},
+        {with_camera(R"("model": "PINHOLE", "width": 4, "height": 4, "params": [1, -2, 3, 4], )"
+                     R"("camera_to_world": [[1,0,0,0],[0,1,0,0],[0,0,1,0],[0,0,0,1]])"),
+         "views[0].camera.params[1]: found -2, expected a focal length above 0, in pixels"},
+        {with_camera(R"("model": "PINHOLE", "width": 4, "height": 4, "params": [1, 2, 3, 4], )"
+                     R"("camera_to_world": [[2,0,0,0],[0,1,0,0],[0,0,1,0],[0,0,0,1]])"),
+         "views[0].camera.camera_to_world: found [[2,0,0,0],[0,1,0,0],[0,0,1,0],[0,0,0,1]], "
+         "expected a rotation and a translation that do not scale, shear or mirror"},
         {with_camera("\"model\": \"PINHOLE\", \"convention\": \"blender\", " + camera),
          "views[0].camera.convention: found \"blender\", expected \"opencv\""},
         {R"({"version": 1, "scene": "s", "views": [{"name": "a", "camera": {"sensor": 0}},)"

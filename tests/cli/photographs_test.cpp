@@ -154,7 +154,7 @@ TEST_F(PhotographsTest, HowFilesWereReadIsSaid) {
     ASSERT_EQ(outcome.code, 0) << outcome.err;
     for (const char* text :
          {"p0.png: PNG, 8 bits, gamma 2.2, 2 pixels clipped and left out",
-          "p1.exr: EXR, 32 bits, linear", "v1 (p1.exr): 1 pixels have values below 0",
+          "p1.exr: EXR, 32 bits, linear", "v1 (p1.exr): 1 pixel has values below 0",
           "v2 (p2.png) is grey", "every exposure is fitted and a colour is unknown"})
         EXPECT_TRUE(contains(outcome.err, text)) << text << "\n" << outcome.err;
     const json found = summary_of("out");
