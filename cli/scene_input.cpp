@@ -12,6 +12,7 @@
 #include "cli/progress.h"
 #include "cli/settings.h"
 #include "cli/texture_files.h"
+#include "image/files.h"
 #include "image/image.h"
 #include "scene/constants.h"
 #include "scene/value_range.h"
@@ -118,7 +119,21 @@ std::map<std::string, std::string> definitions_of(const SceneOptions& options) {
     return definitions;
 }
 
+namespace {
+
+/// Throws InputError where views are given in the place of their scene.
+void require_no_views(const std::string& file) {
+    if (is_capture(file) && std::filesystem::exists(status_of(file)))
+        throw InputError(fmt::format(
+            "{}: found a JSON file, expected a Mitsuba scene in XML: `burnish optimize` and "
+            "`burnish info` read a capture.json in its place, a transforms.json as --views",
+            file));
+}
+
+}  // namespace
+
 LoadedScene load_scene_quietly(const SceneOptions& options) {
+    require_no_views(options.file);
     LoadOptions load;
     load.definitions = definitions_of(options);
     load.ignore_unsupported = options.ignore_unsupported;

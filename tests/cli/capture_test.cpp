@@ -163,6 +163,21 @@ TEST_F(CaptureTest, WhatIsWrongIsSaidWithItsKey) {
     }
 }
 
+TEST_F(CaptureTest, ItTakesThePlaceOfNoSceneOfOtherCommands) {
+    write_scene();
+    write_text(file, with_keys(""));
+    write_text(folder / "transforms.json", R"({"camera_angle_x": 1, "frames": []})");
+    for (const std::string views : {"capture.json", "transforms.json"}) {
+        const std::string expected =
+            views + ": found a JSON file, expected a Mitsuba scene in XML: `burnish optimize`";
+        expect_refused("render " + views + " -o a.exr", 65, expected);
+        expect_refused("gradient " + views + " --parameter base_color --adjoint a.exr -o g.exr", 65,
+                       expected);
+        expect_refused("check-gradient " + views + " --parameter base_color", 65, expected);
+    }
+    expect_refused("render none.json -o a.exr", 65, "none.json: no such file");
+}
+
 TEST_F(CaptureTest, PathsMayLeadThroughLinks) {
     for (const char* name : {"inside", "elsewhere"}) fs::create_directory(folder / name);
     write_image(folder / "elsewhere/sky.exr", make_image(4, 2, 3, 2.0f));
