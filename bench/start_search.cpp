@@ -40,7 +40,8 @@ Pictures read_pictures(const std::string& file) {
     for (const CapturedView& v : capture.views) {
         if (v.view.held_out) continue;
         problem.views.push_back(v.view);
-        problem.views.back().image = read_picture(v, 1, "the target of " + v.view.name).image;
+        problem.views.back().image =
+            read_picture(v, read_mask(v).weights, 1, "the target of " + v.view.name).image;
     }
     Pictures p{problem.renderer, make_views(problem), {}};
     for (View& v : problem.views) p.images.push_back(std::move(v.image));

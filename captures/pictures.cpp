@@ -48,18 +48,32 @@ std::string turning_text(const Photograph& p) {
 namespace {
 
 /// Its alpha, where that cuts something out; else its colours.
-Image weights_of_file(ImageFile read) {
+MaskFile weights_of_file(ImageFile read) {
     constexpr float kOpaque = 0.999f;  // 1, as a half float may round it down
     const std::vector<float>& alpha = read.alpha.values;
     const bool cuts_out = std::any_of(alpha.begin(), alpha.end(), [](float a) {
         return !(a >= kOpaque);  // also where it is not a number
     });
-    return oriented(std::move(cuts_out ? read.alpha : read.image), read.orientation);
+    MaskFile mask;
+    mask.weights = oriented(std::move(cuts_out ? read.alpha : read.image), read.orientation);
+    if (cuts_out) mask.source = MaskSource::kAlpha;
+    return mask;
+}
+
+/// Of weights that are finite.
+void look_at_channels(MaskFile& mask) {
+    const auto channels = static_cast<std::ptrdiff_t>(mask.weights.channels);
+    const std::vector<float>& weights = mask.weights.values;
+    for (auto pixel = weights.begin(); pixel != weights.end(); pixel += channels) {
+        const auto [least, largest] = std::minmax_element(pixel, pixel + channels);
+        if (*least < *largest) mask.source = MaskSource::kColors;
+        mask.most = std::max(mask.most, *least);
+    }
 }
 
 }  // namespace
 
-Image read_mask(const std::filesystem::path& file, Turning turning) {
+MaskFile read_mask(const std::filesystem::path& file, Turning turning) {
     ImageFile read = read_numbers_file(file);
     require_no_overscan(read, file.string());
     if (turning == Turning::kAsStored) read.orientation = 1;
@@ -67,12 +81,12 @@ Image read_mask(const std::filesystem::path& file, Turning turning) {
     const float one_code = read.encoding == PixelEncoding::kUnorm8    ? 1.0f / 255
                            : read.encoding == PixelEncoding::kUnorm16 ? 1.0f / 65535
                                                                       : 0.0f;
-    Image mask = weights_of_file(std::move(read));
+    MaskFile mask = weights_of_file(std::move(read));
     const std::string named = fmt::format("the mask ({})", file.string());
-    require_finite(mask, named);
+    require_finite(mask.weights, named);
     constexpr float kMost = 1.001f;  // 1, as half a float may round it up
     float largest = 0;
-    for (const float weight : mask.values) {
+    for (const float weight : mask.weights.values) {
         if (weight < 0 || weight > kMost)
             throw InputError(
                 fmt::format("{} holds {}, expected weights from 0 to 1", named, weight));
@@ -84,18 +98,23 @@ Image read_mask(const std::filesystem::path& file, Turning turning) {
             fmt::format("{} holds no code above 1, a weight of {:.2g}: expected weights from 0 to "
                         "1, whose code is {}",
                         named, one_code, std::lround(1 / one_code)));
+    look_at_channels(mask);
     return mask;
 }
 
-Photograph read_picture(const CapturedView& view, double scale, const std::string& what) {
+MaskFile read_mask(const CapturedView& view) {
+    return view.mask.empty() ? MaskFile{} : read_mask(view.mask, view.turning);
+}
+
+Photograph read_picture(const CapturedView& view, const Image& mask, double scale,
+                        const std::string& what) {
     Photograph p = read_photograph(view.image, view.encoding, view.turning);
     if (const auto* camera = std::get_if<Camera>(&view.view.camera)) {
         require_size(p.image, camera->width, camera->height,
                      fmt::format("{} ({}{})", what, view.image, turning_text(p)),
                      "the size of its camera");
     }
-    if (!view.mask.empty()) {
-        const Image mask = read_mask(view.mask, view.turning);
+    if (mask.width > 0) {
         require_size(mask, p.image.width, p.image.height, "the mask (" + view.mask + ")",
                      "the size of the picture");
         add_mask(mask, p);

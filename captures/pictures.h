@@ -22,15 +22,27 @@ void require_file_size(const Photograph& photograph, int width, int height, cons
 /// ", turned by EXIF orientation 6", ", EXIF orientation 6 left out"; empty: it has none.
 std::string turning_text(const Photograph& photograph);
 
-/// Weights of pixels [height, width, 1 or 3]. Integer files mean their codes, 0 to 1, without
-/// decoding, turned as asked for. Of a file whose alpha is below 1 somewhere, the alpha. Throws
-/// InputError: outside of 0 to 1, not finite, all zero.
-Image read_mask(const std::filesystem::path& file, Turning turning);
+/// What the weights of a mask's file are; kColors: its channels differ somewhere.
+enum class MaskSource { kAlpha, kGray, kColors };
 
-/// The picture of a view with its mask, which weighs its colours where it is made smaller. scale:
-/// in (0, 1]. what: "the target of front", in messages. Throws InputError: it is not as large as
-/// its camera, the mask is of another size, or no pixel counts.
-Photograph read_picture(const CapturedView& view, double scale, const std::string& what);
+struct MaskFile {
+    Image weights = {};  ///< [height, width, 1 or 3]; width 0: there is no file
+    MaskSource source = MaskSource::kGray;
+    float most = 0;  ///< largest weight that a pixel has in all of its channels
+};
+
+/// Weights of pixels. Integer files mean their codes, 0 to 1, without decoding, turned as asked
+/// for. Of a file whose alpha is below 1 somewhere, the alpha. Throws InputError: outside of 0 to
+/// 1, not finite, all zero.
+MaskFile read_mask(const std::filesystem::path& file, Turning turning);
+/// That of a view, if it names one.
+MaskFile read_mask(const CapturedView& view);
+
+/// The picture of a view with a mask, empty or of the picture's size, which weighs its colours
+/// where it is made smaller. scale: in (0, 1]. what: "the target of front", in messages. Throws
+/// InputError: it is not as large as its camera, the mask is of another size, or no pixel counts.
+Photograph read_picture(const CapturedView& view, const Image& mask, double scale,
+                        const std::string& what);
 
 /// The views of a COLMAP reconstruction (a folder) or a transforms.json. images: the folder of the
 /// pictures; may be empty for a transforms.json. Throws InputError.

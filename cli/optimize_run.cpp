@@ -78,20 +78,20 @@ void size_cameras(const Renderer& renderer, RunResult& run) {
         View& view = run.sources[i].view;
         naming_view(view, i, run.sources.size(), [&] {
             view.camera =
-                camera_for(run.settings.run, run.sources[i], run.photographs[i], renderer);
+                camera_for(run.settings.run, run.sources[i], run.pictures.photographs[i], renderer);
         });
     }
 }
 
 /// How the files were read, and what looks wrong in them.
 void log_pictures(RunResult& run) {
-    std::vector<std::string> sentences;
+    std::vector<std::string> sentences = mask_texts(run.sources, run.pictures.masks);
     for (std::size_t i = 0; i < run.sources.size(); ++i)
-        if (const Photograph& p = run.photographs[i]; !p.type.empty())
+        if (const Photograph& p = run.pictures.photographs[i]; !p.type.empty())
             sentences.push_back(fmt::format("{}: {}", run.sources[i].image, decoding_text(p)));
     log_first(sentences, log_info, "summary.json has them all");
     const bool has_color = std::ranges::any_of(run.textures, &TargetTexture::is_color);
-    run.picture_warnings = picture_warnings(run.sources, run.photographs, has_color);
+    run.picture_warnings = picture_warnings(run.sources, run.pictures, has_color);
     log_first(run.picture_warnings, log_warning, "summary.json has them all");
 }
 
@@ -211,7 +211,7 @@ Renderer read_run(OutputFolder& output, Phases& phases, RunResult& run) {
     Renderer renderer =
         make_renderer_with_progress(std::move(loaded), settings.run.light_selection);
     phases.end("scene");
-    run.photographs = read_pictures(settings.run, run.sources);
+    run.pictures = read_pictures(settings.run, run.sources);
     size_cameras(renderer, run);
     make_view_renderers(renderer, run);
     phases.end("pictures");
@@ -220,7 +220,7 @@ Renderer read_run(OutputFolder& output, Phases& phases, RunResult& run) {
     warn_without_effect(renderer.data().scene(), run);
     if (is_first(run.ranks)) require_room(output, bytes_of_textures(run));
     log_long_phases(run);
-    run.views = with_pictures(settings, run.sources, run.renderers, run.photographs);
+    run.views = with_pictures(settings, run.sources, run.renderers, run.pictures.photographs);
     phases.end("target");
     for (const Input& file : log.files())
         if (output.unfinished.empty() || !file.name.starts_with(output.unfinished.string()))

@@ -36,8 +36,9 @@ std::string notes(const RunResult& run) {
         html += "<p class=\"note\">" + escape_html(text) + "</p>\n";
     };
     for (std::size_t i = 0; i < run.views.size(); ++i)
-        if (const Photograph& p = run.photographs[i]; !p.type.empty())
+        if (const Photograph& p = run.pictures.photographs[i]; !p.type.empty())
             note(fmt::format("{}: {}", run.sources[i].image, decoding_text(p)));
+    for (const std::string& text : mask_texts(run.sources, run.pictures.masks)) note(text);
     if (run.views.size() == 1 && fits_exposure(run.views[0].exposure))
         note("Exposure, fitted: " + exposure_text(run.result.summary.result.views[0].exposure));
     for (const std::string& warning : run.picture_warnings) note("Warning: " + warning);

@@ -10,9 +10,9 @@
 #include <vector>
 
 #include "burnish/checkpoint.h"
-#include "captures/capture.h"
 #include "cli/settings.h"
 #include "cli/traffic.h"
+#include "cli/view_pictures.h"
 #include "optimize/memory.h"
 #include "optimize/setup.h"
 #include "scene/scene.h"
@@ -84,9 +84,8 @@ struct RunResult {
     std::string kept_text;              ///< what the first path cache keeps; empty: there is none
     std::size_t seeing_pixels = 0;      ///< of its views: those that can see an unknown
     std::vector<TargetTexture> textures;
-    std::vector<CapturedView> sources;    ///< of the views
-    std::vector<Photograph> photographs;  ///< of the views, without their pixels; type empty: the
-                                          ///< picture was rendered
+    std::vector<CapturedView> sources;  ///< of the views
+    Pictures pictures;                  ///< of the views, without their pixels
     std::vector<std::string> picture_warnings;
     std::vector<View> views;
     std::vector<Renderer> renderers;            ///< of the views

@@ -128,8 +128,10 @@ Json views_json(const RunResult& run) {
                   {"loss", result.loss},
                   {"exposure", exposure_json(result.exposure)},
                   {"exposure_fitted", fits_exposure(view.exposure)}};
-        if (const Photograph& p = run.photographs[i]; !p.type.empty())
+        if (const Photograph& p = run.pictures.photographs[i]; !p.type.empty())
             json["picture"] = picture_json(run.sources[i].image, p);
+        if (const std::string& file = run.sources[i].mask; !file.empty())
+            json["mask"] = {{"file", file}, {"from", name_of(run.pictures.masks[i].source)}};
         if (std::isfinite(result.noise_floor)) json["noise_floor"] = result.noise_floor;
         if (std::isfinite(result.psnr)) json["psnr"] = result.psnr;
         if (const double ssim = run.similarities[i]; std::isfinite(ssim)) json["ssim"] = ssim;

@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <mutex>
+#include <set>
+#include <utility>
 
 #include "burnish/error.h"
 #include "captures/pictures.h"
@@ -38,11 +40,11 @@ void for_pictures(std::size_t count, const Body& body) {
 }
 
 /// What a view has files of; scale: in (0, 1].
-Photograph picture_of(const CapturedView& view, double scale, const std::string& what) {
-    if (!view.image.empty()) return read_picture(view, scale, what);
+Photograph picture_of(const CapturedView& view, const Image& mask, double scale,
+                      const std::string& what) {
+    if (!view.image.empty()) return read_picture(view, mask, scale, what);
     Photograph p;
-    if (view.mask.empty()) return p;
-    const Image mask = read_mask(view.mask, view.turning);
+    if (mask.width == 0) return p;
     p.file_width = mask.width, p.file_height = mask.height;
     p.mask = scaled(mask, scale);
     return p;
@@ -50,15 +52,17 @@ Photograph picture_of(const CapturedView& view, double scale, const std::string&
 
 }  // namespace
 
-std::vector<Photograph> read_pictures(const RunSettings& run,
-                                      const std::vector<CapturedView>& views) {
-    std::vector<Photograph> photographs(views.size());
+Pictures read_pictures(const RunSettings& run, const std::vector<CapturedView>& views) {
+    Pictures pictures{std::vector<Photograph>(views.size()), std::vector<MaskFile>(views.size())};
     for_pictures(views.size(), [&](std::size_t i) {
         const std::string what =
             "the target" + (views.size() == 1 ? "" : " of " + name_of(views[i].view, i));
-        photographs[i] = picture_of(views[i], run.scale, what);
+        MaskFile& mask = pictures.masks[i];
+        mask = read_mask(views[i]);
+        pictures.photographs[i] = picture_of(views[i], mask.weights, run.scale, what);
+        mask.weights = {};
     });
-    return photographs;
+    return pictures;
 }
 
 namespace {
@@ -118,7 +122,8 @@ CheckedView check_view(const Renderer& renderer, const CapturedView& view) {
     CheckedView checked{view.view.camera, {}};
     const RunSettings whole_size;
     try {
-        const Photograph p = picture_of(view, whole_size.scale, "the target");
+        const Photograph p =
+            picture_of(view, read_mask(view).weights, whole_size.scale, "the target");
         checked.camera = camera_for(whole_size, view, p, renderer);
         (void)renderer.with_camera(checked.camera);
     } catch (const InputError& e) {
@@ -160,12 +165,57 @@ std::string decoding_text(const Photograph& p) {
     return text;
 }
 
+const char* name_of(MaskSource source) {
+    switch (source) {
+        case MaskSource::kAlpha:
+            return "alpha";
+        case MaskSource::kGray:
+            return "gray";
+        case MaskSource::kColors:
+            return "colors";
+    }
+    return "";
+}
+
+std::vector<std::string> mask_texts(const std::vector<CapturedView>& views,
+                                    const std::vector<MaskFile>& masks) {
+    std::vector<std::string> texts;
+    for (const auto& [source, what] :
+         {std::pair{MaskSource::kAlpha, "alpha"}, std::pair{MaskSource::kGray, "grey levels"},
+          std::pair{MaskSource::kColors, "colours, each channel for its own"}}) {
+        std::set<std::string> files;
+        for (std::size_t i = 0; i < views.size(); ++i)
+            if (!views[i].mask.empty() && masks[i].source == source) files.insert(views[i].mask);
+        if (files.size() == 1) texts.push_back(*files.begin() + ": mask from its " + what);
+        if (files.size() > 1)
+            texts.push_back(fmt::format("{} and {} other{}: masks from their {}", *files.begin(),
+                                        files.size() - 1, files.size() == 2 ? "" : "s", what));
+    }
+    return texts;
+}
+
+namespace {
+
+/// Empty: nothing looks wrong.
+std::string warning_of(const MaskFile& mask) {
+    constexpr float kWhite = 0.98f;  // 1, but for what compression does to it
+    if (mask.source != MaskSource::kColors || mask.most >= kWhite) return {};
+    return fmt::format(
+        "its weights are colours, at most {:.2g} in all three channels of a pixel: expected white "
+        "where the picture counts",
+        mask.most);
+}
+
+}  // namespace
+
 std::vector<std::string> picture_warnings(const std::vector<CapturedView>& views,
-                                          const std::vector<Photograph>& photographs,
-                                          bool has_unknown_color) {
+                                          const Pictures& pictures, bool has_unknown_color) {
     std::vector<std::string> warnings;
     for (std::size_t i = 0; i < views.size(); ++i) {
-        const Photograph& p = photographs[i];
+        const Photograph& p = pictures.photographs[i];
+        if (const std::string text = warning_of(pictures.masks[i]); !text.empty())
+            warnings.push_back(
+                fmt::format("{} ({}): {}", name_of(views[i].view, i), views[i].mask, text));
         if (p.negative_pixels > 0)
             warnings.push_back(fmt::format(
                 "{}: {} pixel{} values below 0", name_and_file(views[i], i),

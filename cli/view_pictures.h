@@ -6,15 +6,20 @@
 
 #include "burnish/photograph.h"
 #include "burnish/renderer.h"
-#include "captures/capture.h"
+#include "captures/pictures.h"
 #include "cli/settings.h"
 
 namespace burnish {
 
-/// The pictures with the masks of their files, at the run's scale, parallel to the views; of those
-/// that are rendered the mask and its file's size alone. Throws InputError.
-std::vector<Photograph> read_pictures(const RunSettings& run,
-                                      const std::vector<CapturedView>& views);
+/// Parallel to the views.
+struct Pictures {
+    std::vector<Photograph> photographs;  ///< type empty: the picture is rendered
+    std::vector<MaskFile> masks;          ///< how their files were read, without the weights
+};
+
+/// The pictures with the masks of their files, at the run's scale; of those that are rendered the
+/// mask and its file's size alone. Throws InputError.
+Pictures read_pictures(const RunSettings& run, const std::vector<CapturedView>& views);
 
 /// The camera of a view for what read_pictures has read, at the run's scale. Throws InputError
 /// where the file of a picture does not fit the film of a sensor, or that of a mask a rendered
@@ -38,10 +43,15 @@ std::string decoding_text(const Photograph& photograph);
 /// "linear", "sRGB" or "gamma 2.2".
 std::string encoding_text(const Encoding& encoding);
 
+/// "alpha", "gray" or "colors".
+const char* name_of(MaskSource source);
+/// How the masks were read, one text for each way: "a.png and 3 others: masks from their alpha".
+std::vector<std::string> mask_texts(const std::vector<CapturedView>& views,
+                                    const std::vector<MaskFile>& masks);
+
 /// What looks wrong in the pictures, and what they cannot tell, a sentence each.
 /// has_unknown_color: a texture that is recovered is a colour.
 std::vector<std::string> picture_warnings(const std::vector<CapturedView>& views,
-                                          const std::vector<Photograph>& photographs,
-                                          bool has_unknown_color);
+                                          const Pictures& pictures, bool has_unknown_color);
 
 }  // namespace burnish

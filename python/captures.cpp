@@ -27,7 +27,8 @@ View with_picture(const CapturedView& captured, double scale) {
     if (captured.image.empty())
         throw InputError("the view " + captured.view.name +
                          " has no image: expected one, for no picture is rendered in its place");
-    Photograph p = read_picture(captured, scale, "the target of " + captured.view.name);
+    Photograph p = read_picture(captured, read_mask(captured).weights, scale,
+                                "the target of " + captured.view.name);
     View view = captured.view;
     view.camera = match(
         view.camera,

@@ -20,7 +20,7 @@ struct Masks : testing::Test {
 
     Image read(const char* name, const Image& written) const {
         write_image(folder / name, written, false);
-        return read_mask(folder / name, Turning::kUpright);
+        return read_mask(folder / name, Turning::kUpright).weights;
     }
 };
 
@@ -60,6 +60,24 @@ TEST_F(Masks, OfOpaqueFilesAreTheirColours) {
         }
 }
 
+TEST_F(Masks, SayWhatOfTheFileTheyAre) {
+    const auto read_whole = [&](const char* name, const Image& written) {
+        write_image(folder / name, written, false);
+        return read_mask(folder / name, Turning::kUpright);
+    };
+    Image alpha = make_image(4, 3, 1, 0.5f);
+    EXPECT_EQ(read_whole("mask.png", with_weights(alpha, 3)).source, MaskSource::kAlpha);
+    EXPECT_EQ(read_whole("mask.png", make_image(4, 3, 1, 1.0f)).source, MaskSource::kGray);
+    Image colors = make_image(4, 3, 3, 0.2f);
+    EXPECT_EQ(read_whole("mask.exr", colors).source, MaskSource::kGray);
+    for (int y = 0; y < 3; ++y) colors.at(1, y, 0) = 1, colors.at(1, y, 1) = 0.6f;
+    const MaskFile segments = read_whole("mask.exr", colors);
+    EXPECT_EQ(segments.source, MaskSource::kColors);
+    EXPECT_EQ(segments.most, 0.2f) << "of no pixel all three are above";
+    for (int c = 0; c < 3; ++c) colors.at(2, 1, c) = 1;
+    EXPECT_EQ(read_whole("mask.exr", colors).most, 1);
+}
+
 TEST_F(Masks, AreWholePicturesWithoutOverscan) {
     write_image(folder / "mask.exr", make_image(4, 3, 1, 1.0f), false);
     std::string bytes = read_bytes(folder / "mask.exr");
@@ -96,7 +114,7 @@ TEST_F(Masks, OfXyzAreTheirNumbers) {
     }
     write_bytes(folder / "mask.exr", bytes);
     EXPECT_GT(read_image_file(folder / "mask.exr").image.values[0], 1.2f) << "as a colour";
-    EXPECT_EQ(read_mask(folder / "mask.exr", Turning::kUpright), make_image(4, 3, 3, 1.0f));
+    EXPECT_EQ(read_mask(folder / "mask.exr", Turning::kUpright).weights, make_image(4, 3, 3, 1.0f));
 }
 
 }  // namespace

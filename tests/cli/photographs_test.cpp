@@ -165,6 +165,35 @@ TEST_F(PhotographsTest, HowFilesWereReadIsSaid) {
     EXPECT_EQ(found["picture_warnings"].size(), 3u);
 }
 
+TEST_F(PhotographsTest, HowMasksWereReadIsSaid) {
+    Image segments = make_image(40, 32, 3, 0.25f);
+    for (int y = 0; y < 32; ++y) segments.at(20, y, 0) = 1;
+    write_image((folder / "m0.exr").string(), segments);
+    for (int c = 0; c < 3; ++c) segments.at(9, 9, c) = 1;
+    write_image((folder / "m1.exr").string(), segments);
+    write_image((folder / "m2.png").string(), make_image(40, 32, 1, 1.0f));
+    write_capture({R"(, "mask": "m0.exr")", R"(, "mask": "m1.exr")", R"(, "mask": "m2.png")", ""});
+    const Outcome outcome =
+        run("optimize capture.json --parameter base_color --iterations 1 --init 0.5 "
+            "--target-spp 2 --evaluation-spp 2 -o out");
+    ASSERT_EQ(outcome.code, 0) << outcome.err;
+    const std::vector<std::string> texts{
+        "m0.exr and 1 other: masks from their colours, each channel for its own",
+        "m2.png: mask from its grey levels",
+        "v0 (m0.exr): its weights are colours, at most 0.25 in all three channels of a pixel: "
+        "expected white where the picture counts"};
+    const HtmlReader report(read_text(folder / "out/report.html"));
+    for (const std::string& text : texts) {
+        EXPECT_TRUE(contains(outcome.err, text)) << text << "\n" << outcome.err;
+        EXPECT_TRUE(contains(report.text, text)) << text;
+    }
+    const json found = summary_of("out");
+    EXPECT_EQ(found["picture_warnings"].size(), 1u) << "of m0 alone";
+    EXPECT_EQ(found["views"][0]["mask"], json({{"file", "m0.exr"}, {"from", "colors"}}));
+    EXPECT_EQ(found["views"][2]["mask"], json({{"file", "m2.png"}, {"from", "gray"}}));
+    EXPECT_FALSE(found["views"][3].contains("mask"));
+}
+
 TEST_F(PhotographsTest, WhatIsNotReadOfAFileIsSaid) {
     fs::copy(BURNISH_TEST_DATA "/../fuzz/corpus/jpeg/profile.jpg", folder / "p0.jpg");
     write_text(folder / "transforms.json", R"({"camera_angle_x": 0.8, "frames": [{"file_path":)"
