@@ -17,6 +17,7 @@
 #include "cli/progress.h"
 #include "cli/run_views.h"
 #include "cli/scene_input.h"
+#include "cli/unseeing_views.h"
 #include "cli/view_pictures.h"
 #include "gradient/theta.h"
 #include "optimize/views.h"
@@ -273,6 +274,20 @@ std::vector<ViewFacts> facts_of_views(const Problem& problem,
     return facts;
 }
 
+/// Held-out ones, too: what they show tells nothing either.
+void find_empty_views(const std::vector<ViewFacts>& views, const std::vector<Renderer>& renderers,
+                      std::vector<std::string>& findings) {
+    std::vector<std::string> names;
+    for (std::size_t i = 0; i < views.size(); ++i)
+        if (!shows_a_shape(renderers[i].data().traced)) names.push_back(views[i].name);
+    if (names.empty()) return;
+    const bool is_one = names.size() == 1;
+    findings.push_back(fmt::format(
+        "{} of {} {} no shape at all: expected cameras in the units and axes of the scene",
+        is_one ? "a coarse picture" : "coarse pictures", views_text(std::move(names)),
+        is_one ? "shows" : "show"));
+}
+
 /// What --views names, as a capture of its own.
 Json capture_of_views(const InfoOptions& options, const std::vector<CapturedView>& views) {
     if (options.views.empty()) return {};
@@ -302,6 +317,7 @@ void run(const InfoOptions& options) {
         std::ranges::all_of(captured, [](const CapturedView& v) { return v.view.held_out; }))
         facts.findings.push_back("all views are held out: none is left to be fitted");
     const std::vector<ViewFacts> views = facts_of_views(problem, renderers, captured);
+    find_empty_views(views, renderers, facts.findings);
     const LoadedScene& shown = *renderer.data().loaded;
     if (options.json)
         print_json(options.scene.file, shown, facts, views, capture_of_views(options, captured));

@@ -283,6 +283,8 @@ SceneFacts inspect(const TracedScene& traced, std::span<const TracedScene> views
     return facts;
 }
 
+bool shows_a_shape(const TracedScene& view) { return look(view).nothing < kProbe * kProbe; }
+
 const char* name_of(TextureFilter filter) {
     return filter == TextureFilter::kNearest ? "nearest" : "bilinear";
 }

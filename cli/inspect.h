@@ -43,6 +43,9 @@ struct SceneFacts {
 /// of pictures to fit, if there are some: they take the place of the scene's own.
 SceneFacts inspect(const TracedScene& traced, std::span<const TracedScene> views = {});
 
+/// Whether a shape is seen in a coarse picture: small ones may be missed.
+bool shows_a_shape(const TracedScene& view);
+
 const char* name_of(TextureFilter filter);
 const char* name_of(TextureWrap wrap);
 const char* name_of(FilterKind filter);

@@ -9,7 +9,6 @@
 #include "cli/console.h"
 #include "cli/process_memory.h"
 #include "cli/progress.h"
-#include "core/joined.h"
 #include "gradient/binding.h"
 #include "gradient/estimator.h"
 #include "gradient/path_cache/path_cache.h"
@@ -114,23 +113,12 @@ MemoryEstimate plan_run(const RunViews& views, const Theta& theta, double limit,
     return memory;
 }
 
-/// Throws InputError where no light path can lead from an unknown to a pixel.
-void require_seen(std::span<const std::vector<char>> reaching, const RunResult& run) {
-    for (const std::vector<char>& pixels : reaching)
-        if (std::find(pixels.begin(), pixels.end(), 1) != pixels.end()) return;
-    throw InputError(
-        fmt::format("no view that is fitted sees {}: expected a camera that looks at a shape with "
-                    "its material, in the same units and axes",
-                    joined(run.textures, &TargetTexture::name)));
-}
-
 }  // namespace
 
 void plan_memory(RunViews views, RunResult& run) {
     const TickingLine line("estimating the memory");
     const Theta theta = initial_theta(run);
     const std::vector<std::vector<char>> reaching = reaching_pixels(views.fitted, theta);
-    require_seen(reaching, run);
     views.reaching = reaching;
     const double limit = memory_limit(run);
     run.memory = plan_run(views, theta, limit, run.settings.options, run);

@@ -23,6 +23,7 @@
 #include "cli/scene_input.h"
 #include "cli/solve_run.h"
 #include "cli/target_textures.h"
+#include "cli/unseeing_views.h"
 #include "cli/view_pictures.h"
 #include "cli/without_effect.h"
 #include "core/parallel.h"
@@ -92,6 +93,8 @@ void log_pictures(RunResult& run) {
     log_first(sentences, log_info, "summary.json has them all");
     const bool has_color = std::ranges::any_of(run.textures, &TargetTexture::is_color);
     run.picture_warnings = picture_warnings(run.sources, run.pictures, has_color);
+    if (const std::string text = unseeing_text(run); !text.empty())
+        run.picture_warnings.insert(run.picture_warnings.begin(), text);
     log_first(run.picture_warnings, log_warning, "summary.json has them all");
 }
 
@@ -215,6 +218,7 @@ Renderer read_run(OutputFolder& output, Phases& phases, RunResult& run) {
     size_cameras(renderer, run);
     make_view_renderers(renderer, run);
     phases.end("pictures");
+    find_unseeing_views(run);
     plan_memory({scenes_of(run, false), scenes_of(run, true)}, run);
     log_pictures(run);
     warn_without_effect(renderer.data().scene(), run);

@@ -84,8 +84,9 @@ struct RunResult {
     std::string kept_text;              ///< what the first path cache keeps; empty: there is none
     std::size_t seeing_pixels = 0;      ///< of its views: those that can see an unknown
     std::vector<TargetTexture> textures;
-    std::vector<CapturedView> sources;  ///< of the views
-    Pictures pictures;                  ///< of the views, without their pixels
+    std::vector<CapturedView> sources;        ///< of the views
+    Pictures pictures;                        ///< of the views, without their pixels
+    std::vector<std::size_t> unseeing_views;  ///< that no light from an unknown reaches
     std::vector<std::string> picture_warnings;
     std::vector<View> views;
     std::vector<Renderer> renderers;            ///< of the views

@@ -194,6 +194,71 @@ TEST_F(PhotographsTest, HowMasksWereReadIsSaid) {
     EXPECT_FALSE(found["views"][3].contains("mask"));
 }
 
+/// v0 sees the panel; v1 and, held out, v2 look past it.
+TEST_F(PhotographsTest, ViewsThatShowNothingOfAnUnknownAreSaid) {
+    const auto view = [](const std::string& name, int x, const std::string& keys) {
+        return R"({"name": ")" + name + R"(", "camera": )" + camera(x) + keys + "}";
+    };
+    const std::string past = view("v1", 90, "") + ", " + view("v2", 90, R"(, "split": "test")");
+    const auto write = [&](const std::string& views) {
+        write_text(folder / "capture.json",
+                   R"({"version": 1, "scene": "scene.xml", "views": [)" + views + "]}");
+    };
+    const std::string command =
+        "optimize capture.json --parameter roughness --iterations 1 --init 0.5 --target-spp 2 "
+        "--evaluation-spp 2 --force -o out";
+    const std::string warning =
+        "no pixel of v1, v2 can show mat-panel.brdf_0.roughness.data: expected cameras in the "
+        "units and axes of the scene";
+    const std::string direct = read_text(folder / "scene.xml"), integrator = R"(type="direct")";
+    std::string bouncing = direct;
+    bouncing.replace(bouncing.find(integrator), integrator.size(), R"(type="path")");
+    for (const std::string& scene : {direct, bouncing}) {
+        write_text(folder / "scene.xml", scene);
+        write(view("v0", 0, "") + ", " + past);
+        const Outcome outcome = run(command);
+        ASSERT_EQ(outcome.code, 0) << outcome.err;
+        EXPECT_TRUE(contains(outcome.err, warning)) << outcome.err;
+        const json found = summary_of("out");
+        EXPECT_EQ(found["picture_warnings"][0], warning);
+        EXPECT_TRUE(found["views"][0].contains("ssim"));
+        for (const int i : {1, 2})
+            for (const char* key : {"psnr", "ssim"}) EXPECT_FALSE(found["views"][i].contains(key));
+        EXPECT_TRUE(contains(HtmlReader(read_text(folder / "out/report.html")).text, warning));
+        const Outcome facts = run("info capture.json");
+        EXPECT_TRUE(contains(facts.out, "coarse pictures of v1, v2 show no shape at all"))
+            << facts.out;
+        write(past);
+        expect_refused(command, 65, "no view that is fitted sees mat-panel.brdf_0.roughness.data");
+    }
+    write(view("v0", 0, "") + ", " + view("v1", 90, ""));
+    EXPECT_TRUE(contains(run("info capture.json").out, "a coarse picture of v1 shows no shape"));
+}
+
+/// Where light bounces, another surface may show the light of an unknown.
+TEST_F(PhotographsTest, AViewMayShowAnUnknownByAnotherSurface) {
+    std::string scene = read_text(folder / "scene.xml");
+    scene.insert(scene.find("</scene>"), R"(<shape type="rectangle" id="screen">
+        <transform name="to_world"><translate x="90"/></transform><bsdf type="diffuse"/></shape>)");
+    const std::string integrator = R"(type="direct")";
+    const auto warns = [&] {
+        const Outcome outcome =
+            run("optimize capture.json --parameter roughness --iterations 1 --init 0.5 "
+                "--target-spp 2 --evaluation-spp 2 --force -o out");
+        EXPECT_EQ(outcome.code, 0) << outcome.err;
+        return contains(outcome.err, "no pixel of v1 can show");
+    };
+    write_text(folder / "capture.json",
+               R"({"version": 1, "scene": "scene.xml", "views": [{"name": "v0", "camera": )" +
+                   camera(0) + R"(}, {"name": "v1", "camera": )" + camera(90) + "}]}");
+    write_text(folder / "scene.xml", scene);
+    EXPECT_TRUE(warns()) << "the screen alone";
+    EXPECT_FALSE(contains(run("info capture.json").out, "no shape at all"));
+    scene.replace(scene.find(integrator), integrator.size(), R"(type="path")");
+    write_text(folder / "scene.xml", scene);
+    EXPECT_FALSE(warns());
+}
+
 TEST_F(PhotographsTest, WhatIsNotReadOfAFileIsSaid) {
     fs::copy(BURNISH_TEST_DATA "/../fuzz/corpus/jpeg/profile.jpg", folder / "p0.jpg");
     write_text(folder / "transforms.json", R"({"camera_angle_x": 0.8, "frames": [{"file_path":)"

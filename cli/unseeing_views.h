@@ -1,0 +1,19 @@
+// Views in which nothing that is recovered can be seen: their cameras look elsewhere, as those in
+// other units or axes than the scene do.
+#pragma once
+
+#include "cli/run_result.h"
+
+namespace burnish {
+
+/// The views in which no light from an unknown can reach a pixel, into run.unseeing_views. Throws
+/// InputError where all that are fitted are such.
+void find_unseeing_views(RunResult& run);
+
+/// What is said of run.unseeing_views, a sentence; empty: there are none.
+std::string unseeing_text(const RunResult& run);
+
+/// "a, b, c and 4 other views": the first few names.
+std::string views_text(std::vector<std::string> names);
+
+}  // namespace burnish
