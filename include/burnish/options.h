@@ -153,6 +153,7 @@ struct Stop {
     friend bool operator==(const Stop&, const Stop&) = default;
 };
 
+/// A number outside of its range of docs/reference/options.md is refused.
 struct Options {
     Estimator estimator = {};
     Loss loss = Loss::kRelMse;

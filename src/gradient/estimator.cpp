@@ -2,8 +2,6 @@
 
 #include <algorithm>
 
-#include "burnish/error.h"
-#include "core/require.h"
 #include "core/variant.h"
 #include "render/render.h"
 
@@ -124,21 +122,6 @@ auto with_state(const Estimator& estimator, EstimatorState& state, const Body& b
         estimator);
 }
 
-void require_samples(std::uint32_t image_samples, std::uint32_t samples) {
-    require(image_samples > 0, "samples per pixel are 0: expected at least 1");
-    require(samples > 0, "derivative samples per pixel are 0: expected at least 1");
-}
-
-void check(const MonteCarlo& o) { require_samples(o.image_samples, o.samples); }
-void check(const Reservoirs& o) {
-    require_samples(o.image_samples, o.samples);
-    require(o.confidence_cap > 0, "the confidence cap is not positive");
-}
-void check(const PathCache& o) {
-    require(o.samples > 0, "fresh samples per pixel are 0: expected at least 1");
-    require(o.window > 0, "the window is 0 passes: expected at least 1");
-}
-
 std::uint32_t image_samples_of(const MonteCarlo& o) { return o.image_samples; }
 std::uint32_t image_samples_of(const Reservoirs& o) { return o.image_samples; }
 std::uint32_t image_samples_of(const PathCache& o) { return o.samples; }
@@ -232,10 +215,6 @@ bool has_own_derivatives(const Estimator& estimator) {
 
 std::uint32_t image_samples(const Estimator& estimator) {
     return std::visit([](const auto& o) { return image_samples_of(o); }, estimator);
-}
-
-void validate(const Estimator& estimator) {
-    std::visit([](const auto& o) { check(o); }, estimator);
 }
 
 }  // namespace burnish

@@ -126,7 +126,4 @@ inline bool has_split_gradient(const Estimator& e) { return std::holds_alternati
 /// Samples per pixel of the image in an iteration.
 std::uint32_t image_samples(const Estimator& estimator);
 
-/// Throws InputError where an option is out of its range; the message says what to change.
-void validate(const Estimator& estimator);
-
 }  // namespace burnish

@@ -11,6 +11,7 @@
 #include "gradient/estimator.h"
 #include "image/image.h"
 #include "image/whole.h"
+#include "optimize/option_table.h"
 #include "optimize/ranks.h"
 #include "optimize/search_guide.h"
 #include "optimize/views.h"
@@ -20,28 +21,19 @@ namespace burnish {
 
 namespace {
 
-void check_rate(double rate, const std::string& of) {
-    require(rate > 0 && rate <= kMaxLearningRate,
-            fmt::format("the learning rate{} is {:g}, expected one above 0, at most {:g}", of, rate,
-                        kMaxLearningRate));
+/// Each is in the range that the table of options gives it.
+void check_options(const Options& o) {
+    for (const OptionRow& row : option_table()) {
+        if (!is_held(row, o)) continue;
+        const std::string wrong = complaint(row, get_option(row, o));
+        require(wrong.empty(), fmt::format("{}: {}", row.info.name, wrong));
+    }
 }
 
-void check_options(const Options& o) {
-    validate(o.estimator);
-    if (o.learning_rate) check_rate(*o.learning_rate, "");
-    require(o.pyramid.levels > 0, "the pyramid has no level: expected at least 1");
-    require(o.pyramid.weight_decay >= 0, "the weight decay is below 0");
-    require(o.adam.beta1 >= 0 && o.adam.beta1 < 1 && o.adam.beta2 >= 0 && o.adam.beta2 < 1,
-            "Adam's decay rates lie outside of [0, 1)");
-    require(!o.adam.initial_rate || *o.adam.initial_rate >= 0, "the initial rate is below 0");
-    require(!o.search_effort || (*o.search_effort >= 1 && *o.search_effort <= kMaxSearchEffort),
-            "the effort of the search lies outside of [1, 4]");
-    require(o.batch > 0, "an iteration visits no view: expected a batch of at least 1");
-    require(o.stop.iterations > 0, "the run has no iteration: expected at least 1");
-    require(o.stop.seconds > 0, "the run has no time: expected more than 0 seconds");
-    require(o.evaluation_samples <= kMaxSamplesPerPixel,
-            fmt::format("samples per pixel of the evaluation are {}: expected at most {}",
-                        o.evaluation_samples, kMaxSamplesPerPixel));
+void check_rate(const Unknown& u) {
+    require(u.learning_rate >= 0 && u.learning_rate <= kMaxLearningRate,
+            fmt::format("the learning rate of {} is {:g}, expected one above 0, at most {:g}",
+                        u.name, u.learning_rate, kMaxLearningRate));
 }
 
 StartKind kind_of_start(const Problem& problem, const Unknown& unknown) {
@@ -164,7 +156,7 @@ Setup make_setup(Problem problem, Options options) {
     }
     for (std::size_t i = 0; i < ids.size(); ++i) {
         Unknown& u = setup.problem.unknowns[i];
-        if (u.learning_rate != 0) check_rate(u.learning_rate, " of " + u.name);
+        check_rate(u);
         const StartKind start = kind_of_start(setup.problem, u);
         const bool guided = is_guided(scene, ids, ids[i], start);
         const auto& bitmap = std::get<Bitmap>(scene[ids[i]]);

@@ -4,8 +4,10 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <limits>
 
 #include "burnish/error.h"
+#include "optimize/option_table.h"
 #include "optimize/small_problem.h"
 
 namespace burnish {
@@ -83,16 +85,13 @@ TEST(Setup, RefusesProblemsThatDoNotFit) {
     expect_refused("channels", [](P& p, O&) { p.views[0].image = make_image(16, 16, 1); });
     expect_refused("mask", [](P& p, O&) { p.views[0].mask = make_image(16, 15, 1); });
     expect_refused("mask", [](P& p, O&) { p.views[0].mask = make_image(16, 16, 2); });
-    expect_refused("batch", [](P&, O& o) { o.batch = 0; });
     expect_refused("no unknown", [](P& p, O&) { p.unknowns.clear(); });
     expect_refused("twice", [](P& p, O&) { p.unknowns[1] = p.unknowns[0]; });
     expect_refused("name", [](P& p, O&) { p.unknowns[0].name = "nothing"; });
-    expect_refused("rate", [](P& p, O&) { p.unknowns[0].learning_rate = -1; });
     expect_refused("start", [](P& p, O&) { p.unknowns[0].start = 1.5f; });
     expect_refused("start", [](P& p, O&) { p.unknowns[0].start = NAN; });
     expect_refused("start", [](P& p, O&) { p.unknowns[0].start = make_image(3, 4, 3, 0.5f); });
     expect_refused("start", [](P& p, O&) { p.unknowns[0].start = make_image(4, 4, 3, -1.0f); });
-    expect_refused("evaluation", [](P&, O& o) { o.evaluation_samples = (1u << 20) + 1; });
 }
 
 /// An image of this shape with a value too few.
@@ -194,26 +193,70 @@ TEST(Setup, RefusesUnknownsThatTurnNormalsOrShine) {
     EXPECT_THROW(make_setup(test::problem_of(shining), Options{}), InputError);
 }
 
-TEST(Setup, RefusesOptionsOutOfRange) {
-    using P = Problem;
-    using O = Options;
-    expect_refused("rate", [](P&, O& o) { o.learning_rate = 0; });
-    expect_refused("rate", [](P&, O& o) { o.learning_rate = NAN; });
-    expect_refused("rate", [](P&, O& o) { o.learning_rate = INFINITY; });
-    expect_refused("rate", [](P& p, O&) { p.unknowns[0].learning_rate = INFINITY; });
-    expect_refused("rate", [](P& p, O&) { p.unknowns[0].learning_rate = 1e39; });
-    expect_refused("levels", [](P&, O& o) { o.pyramid.levels = 0; });
-    expect_refused("decay", [](P&, O& o) { o.pyramid.weight_decay = -1; });
-    expect_refused("beta1", [](P&, O& o) { o.adam.beta1 = 1; });
-    expect_refused("beta2", [](P&, O& o) { o.adam.beta2 = -0.1f; });
-    expect_refused("initial rate", [](P&, O& o) { o.adam.initial_rate = -1.0f; });
-    expect_refused("iterations", [](P&, O& o) { o.stop.iterations = 0; });
-    expect_refused("seconds", [](P&, O& o) { o.stop.seconds = 0; });
-    expect_refused("window", [](P&, O& o) { o.estimator = PathCache{.window = 0}; });
-    expect_refused("samples", [](P&, O& o) { o.estimator = PathCache{.samples = 0}; });
-    expect_refused("samples", [](P&, O& o) { o.estimator = MonteCarlo{.samples = 0}; });
-    expect_refused("samples", [](P&, O& o) { o.estimator = MonteCarlo{.image_samples = 0}; });
-    expect_refused("cap", [](P&, O& o) { o.estimator = Reservoirs{.confidence_cap = 0}; });
+/// Numbers just outside of a range, and NaN.
+template <class V>
+std::vector<V> outside(const Range& range) {
+    using Limits = std::numeric_limits<V>;
+    if constexpr (std::is_floating_point_v<V>) {
+        const V low = static_cast<V>(range.low), high = static_cast<V>(range.high);
+        return {range.above_low ? low : std::nextafter(low, -Limits::infinity()),
+                std::nextafter(high, Limits::infinity()), Limits::quiet_NaN()};
+    } else {
+        std::vector<V> values;
+        if (range.low > static_cast<double>(Limits::lowest()))
+            values.push_back(static_cast<V>(range.low) - 1);
+        if (range.high < static_cast<double>(Limits::max()))
+            values.push_back(static_cast<V>(range.high) + 1);
+        return values;
+    }
+}
+
+template <class T>
+struct NumberOf {
+    using Type = T;
+};
+template <class T>
+struct NumberOf<std::optional<T>> {
+    using Type = T;
+};
+
+/// Expects that options whose number of this row is out of range are refused by the row's name.
+/// Returns how many were tried.
+template <class T>
+int expect_range(const OptionRow& row, OptionField<T> field, Options options) {
+    using V = typename NumberOf<T>::Type;
+    int tried = 0;
+    if constexpr (std::is_arithmetic_v<V> && !std::is_same_v<V, bool>) {
+        for (const V value : outside<V>(row.info.range)) {
+            const bool is_unset = std::is_same_v<T, V> && *row.info.unset &&
+                                  static_cast<double>(value) == row.info.unset_value;
+            if (is_unset) continue;
+            *field(options) = value, ++tried;
+            const std::string error = test::error_of([&] { make_setup(small_problem(), options); });
+            EXPECT_TRUE(error.starts_with(std::string(row.info.name) + ": expected a "))
+                << row.info.name << " = " << value << ": " << error;
+        }
+    }
+    return tried;
+}
+
+TEST(Setup, RefusesOptionsOutOfTheRangeOfTheTable) {
+    for (const OptionRow& row : option_table()) {
+        if (!is_number(row)) continue;
+        Options options;
+        for (const Choice<Estimator>& c : choices<Estimator>())
+            if (!is_held(row, options)) options.estimator = c.value;
+        const int tried =
+            std::visit([&](auto field) { return expect_range(row, field, options); }, row.field);
+        const bool takes_all = row.info.range.low == 0 &&
+                               row.info.range.high == std::numeric_limits<std::uint32_t>::max();
+        EXPECT_EQ(tried > 0, !takes_all) << row.info.name;
+    }
+}
+
+TEST(Setup, RefusesRatesOfUnknownsOutOfRange) {
+    for (const double rate : {-1.0, 1e39, double{INFINITY}, double{NAN}})
+        expect_refused("rate", [&](Problem& p, Options&) { p.unknowns[0].learning_rate = rate; });
 }
 
 TEST(Setup, SaysThatTheMemoryOfACacheIsTooLittle) {
