@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <exception>
 #include <memory>
 
 #include "burnish/error.h"
@@ -147,20 +146,13 @@ std::vector<Renderer> make_views(const Problem& problem) {
 }
 
 void check_pictures(const Problem& problem, const std::vector<Renderer>& views) {
-    std::vector<std::exception_ptr> errors(problem.views.size());
     parallel_tasks(problem.views.size(), [&](std::size_t i) {
         const View& view = problem.views[i];
-        try {
-            naming_view(view, i, problem.views.size(), [&] {
-                check_picture(view, views[i]);
-                check_exposure(problem, view);
-            });
-        } catch (...) {
-            errors[i] = std::current_exception();
-        }
+        naming_view(view, i, problem.views.size(), [&] {
+            check_picture(view, views[i]);
+            check_exposure(problem, view);
+        });
     });
-    for (const std::exception_ptr& error : errors)
-        if (error) std::rethrow_exception(error);
     const auto counts = [](const View& view) { return !view.held_out && any_pixel_counts(view); };
     const auto is_fitted = [](const View& view) { return !view.held_out; };
     if (std::ranges::any_of(problem.views, is_fitted) &&
