@@ -129,7 +129,7 @@ CheckedView check_view(const Renderer& renderer, const CapturedView& view) {
     } catch (const InputError& e) {
         checked.complaint = e.what();
     }
-    if (is_dark(view.view.lighting))
+    if (checked.complaint.empty() && is_dark(view.view.lighting))
         checked.complaint = "no emitter is on: its rendered image is black";
     return checked;
 }

@@ -413,7 +413,8 @@ TEST_F(CaptureTest, InfoSaysWhatWillGoWrongWithItsPictures) {
          {R"("name": "good", "image": "good.png")", R"("name": "wide", "image": "wide.png")",
           R"("name": "cut", "image": "cut.png")", R"("name": "gone", "image": "gone.png")",
           R"("name": "mask", "image": "good.png", "mask": "wide.png")",
-          R"("name": "film", "mask": "wide.png")", R"("name": "dark", "emitters": [])"})
+          R"("name": "film", "mask": "wide.png")", R"("name": "dark", "emitters": [])",
+          R"("name": "lost", "image": "lost.png", "emitters": [])"})
         views += (views.empty() ? "" : ", ") +
                  fmt::format("{{{}, \"camera\": {{\"sensor\": 0}}}}", keys);
     write_text(file, R"({"version": 1, "scene": "scene.xml", "views": [)" + views + "]}");
@@ -426,7 +427,8 @@ TEST_F(CaptureTest, InfoSaysWhatWillGoWrongWithItsPictures) {
         "gone: gone.png",
         "mask: the mask (wide.png) is 24 x 12 pixels, expected the size of the picture, 24 x 24",
         "film: the mask (wide.png) is 24 x 12 pixels, expected the size of the film, 24 x 24",
-        "dark: no emitter is on"};
+        "dark: no emitter is on",
+        "lost: lost.png"};
     ASSERT_EQ(findings.size(), std::size(expected)) << findings;
     for (std::size_t i = 0; i < findings.size(); ++i)
         EXPECT_TRUE(findings[i].get<std::string>().starts_with(expected[i])) << findings[i];
