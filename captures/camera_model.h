@@ -18,10 +18,7 @@ struct CameraModel {
     std::size_t coefficients;  ///< the first ones of the lens; the others are 0
 };
 
-/// Those that can be read. To add one: here, or where it needs another kind of lens, start at
-/// LensKind in burnish/view.h.
-std::span<const CameraModel> camera_models();
-/// "SIMPLE_PINHOLE, PINHOLE, ..."
+/// Those that can be read: "SIMPLE_PINHOLE, PINHOLE, ..."
 std::string camera_model_names();
 
 /// nullptr: none that can be read.

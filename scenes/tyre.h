@@ -17,8 +17,8 @@ inline constexpr double kTyreMiddle = 11.5;
 
 /// Knot coordinates where one ornament ends and the next begins.
 struct TyreBands {
-    double small_print = 1.9, rib = 2.9, letters = 3.2, letters_end = 6.1, serration = 6.5,
-           shoulder = 7.6, tread = 8.5, groove = 9.8;
+    double rib = 2.9, letters = 3.2, letters_end = 6.1, serration = 6.5, shoulder = 7.6,
+           tread = 8.5, groove = 9.8;
 };
 
 /// How texture rows (v in [0, 1], bead to middle) lie on a half.

@@ -39,10 +39,3 @@ inline std::string operand_text(std::nullptr_t) { return "null"; }
                                        ::burnish::detail::operand_text(left_operand) + ", " + \
                                            ::burnish::detail::operand_text(right_operand));   \
     } while (false)
-
-/// The same in debug builds alone: for conditions per sample, record or texel.
-#ifdef NDEBUG
-#define BURNISH_REQUIRE_DEBUG(left, op, right) static_cast<void>(0)
-#else
-#define BURNISH_REQUIRE_DEBUG(left, op, right) BURNISH_REQUIRE(left, op, right)
-#endif

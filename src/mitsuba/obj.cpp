@@ -260,6 +260,4 @@ MeshFile read_obj_file(const std::filesystem::path& file) {
     return to_mesh(reader);
 }
 
-Mesh read_obj(const std::filesystem::path& file) { return read_obj_file(file).mesh; }
-
 }  // namespace burnish::mitsuba

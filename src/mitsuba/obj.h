@@ -11,8 +11,6 @@ namespace burnish::mitsuba {
 /// the same position, texture coordinate and normal share a vertex. Where only some corners have a
 /// texture coordinate, that of the others is (0, 0); where only some have a normal, that of the
 /// others is the mean over the faces around them. Throws InputError with the line.
-Mesh read_obj(const std::filesystem::path& file);
-/// And how many corners lack them.
 MeshFile read_obj_file(const std::filesystem::path& file);
 
 }  // namespace burnish::mitsuba

@@ -311,8 +311,4 @@ MeshFile read_ply_file(const std::filesystem::path& file, const PlyOptions& opti
     return result;
 }
 
-Mesh read_ply(const std::filesystem::path& file, const PlyOptions& options) {
-    return read_ply_file(file, options).mesh;
-}
-
 }  // namespace burnish::mitsuba

@@ -16,12 +16,9 @@ struct PlyOptions {
     bool corner_uvs = false;
 };
 
-/// The mesh with its attributes.
+/// The mesh in object space with its attributes; polygons become fans. Throws InputError with the
+/// line (ASCII and header) or byte offset: malformed, truncated, counts that the file cannot hold,
+/// indices out of range, non-finite positions.
 MeshFile read_ply_file(const std::filesystem::path& file, const PlyOptions& options = {});
-
-/// The mesh in object space; polygons become fans. Throws InputError with the line (ASCII and
-/// header) or byte offset: malformed, truncated, counts that the file cannot hold, indices out of
-/// range, non-finite positions.
-Mesh read_ply(const std::filesystem::path& file, const PlyOptions& options = {});
 
 }  // namespace burnish::mitsuba

@@ -125,10 +125,6 @@ TileRecords pack_chains(const ChainOutput& chains, std::span<const BatchSample> 
 /// What a tile's records take, without what lies beside them.
 std::size_t bytes_of(const TileRecords& records);
 
-/// One lane as an ordinary record: what the packed forms are checked against.
-PathRecord unpack_record(const RecordBlock& block, std::size_t lane, BsdfId bsdf, const Tile& tile,
-                         int film_width);
-
 /// Sixteen records, ready to be shaded.
 struct RecordPacket {
     Vec2<Packet> uv;

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <set>
+#include <sstream>
 
 #include "csv.h"
 #include "shading/camera.h"
@@ -23,6 +24,13 @@ Camera camera_of(const test::CsvRow& row) {
         parameters.push_back(row["p" + std::to_string(i)]);
     return make_camera(*model, static_cast<int>(row["width"]), static_cast<int>(row["height"]),
                        parameters);
+}
+
+std::vector<std::string> model_names() {
+    std::vector<std::string> names;
+    std::istringstream list(camera_model_names());
+    for (std::string name; std::getline(list >> std::ws, name, ',');) names.push_back(name);
+    return names;
 }
 
 struct Pixel {
@@ -64,7 +72,7 @@ TEST(CameraModels, ProjectAsColmapDoes) {
         EXPECT_LT(w.ray, 1e-3) << "line " << row.line;
         worst = {test::worse(worst.projected, w.projected), test::worse(worst.ray, w.ray)};
     }
-    EXPECT_EQ(models.size(), camera_models().size()) << "each model is in the table";
+    EXPECT_EQ(models.size(), model_names().size()) << "each model is in the table";
     RecordProperty("projected", std::to_string(worst.projected));
     RecordProperty("ray", std::to_string(worst.ray));
 }
@@ -86,10 +94,12 @@ TEST(CameraModels, AWrongCoefficientIsNoticed) {
 }
 
 TEST(CameraModels, AreFoundByTheirNames) {
-    for (const CameraModel& m : camera_models()) {
-        EXPECT_EQ(find_camera_model(std::string(m.name)), &m);
-        EXPECT_EQ(find_camera_model(m.id), &m);
-        EXPECT_NE(camera_model_names().find(m.name), std::string::npos);
+    EXPECT_GT(model_names().size(), 1u);
+    for (const std::string& name : model_names()) {
+        const CameraModel* model = find_camera_model(name);
+        ASSERT_NE(model, nullptr) << name;
+        EXPECT_EQ(model->name, name);
+        EXPECT_EQ(find_camera_model(model->id), model);
     }
     EXPECT_EQ(find_camera_model("FOV"), nullptr);
     EXPECT_EQ(find_camera_model(7), nullptr);

@@ -74,8 +74,8 @@ void read_glb_mesh(const fs::path& file) { read_mesh(file); }
 
 constexpr Reader kReaders[] = {
     {"scene", "scene.xml", [](const fs::path& file) { load_scene(file); }},
-    {"ply", "read.ply", [](const fs::path& file) { mitsuba::read_ply(file); }},
-    {"obj", "read.obj", [](const fs::path& file) { mitsuba::read_obj(file); }},
+    {"ply", "read.ply", [](const fs::path& file) { mitsuba::read_ply_file(file); }},
+    {"obj", "read.obj", [](const fs::path& file) { mitsuba::read_obj_file(file); }},
     {"glb", "read.glb", read_glb_mesh},
     {"serialized", "read.serialized", read_serialized_mesh},
     {"spectrum", "read.spd", read_spectrum},

@@ -10,6 +10,7 @@
 #include "gradient/estimators.h"
 #include "gradient/small_scene.h"
 #include "optimize/strip_scene.h"
+#include "render/unpacked_record.h"
 #include "shading/diffuse.h"
 #include "shading/principled.h"
 #include "worst.h"
@@ -38,8 +39,8 @@ void for_records(const Cached& cached, std::size_t which, const Body& body) {
                 for (std::uint32_t b = run.begin; b < run.end; ++b)
                     for (std::size_t lane = 0; lane < kLanes; ++lane) {
                         PathRecord r =
-                            unpack_record(pass.tiles[t].blocks[b], lane, run.bsdf,
-                                          cached.workspace.tiles[t].tile, film.crop_width);
+                            test::unpack_record(pass.tiles[t].blocks[b], lane, run.bsdf,
+                                                cached.workspace.tiles[t].tile, film.crop_width);
                         r.film_pass = pass.film_pass;
                         if (!is_black(r.radiance_over_pdf)) body(r, taps);
                     }

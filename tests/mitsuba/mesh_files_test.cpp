@@ -75,7 +75,8 @@ std::vector<std::array<std::uint32_t, 3>> indices(const Mesh& mesh) {
     return all;
 }
 
-Mesh read_plain_ply(const std::filesystem::path& file) { return read_ply(file); }
+Mesh read_ply(const std::filesystem::path& file) { return read_ply_file(file).mesh; }
+Mesh read_obj(const std::filesystem::path& file) { return read_obj_file(file).mesh; }
 
 template <class Read>
 std::string message_of(Read read, const std::filesystem::path& file) {
@@ -118,7 +119,7 @@ TEST(Ply, MessagesSayWhere) {
         const std::size_t at = text.find(from);
         ASSERT_NE(at, std::string::npos);
         const auto file = write_text(folder, "a.ply", text.replace(at, from.size(), to));
-        const std::string error = message_of(read_plain_ply, file);
+        const std::string error = message_of(read_ply, file);
         EXPECT_EQ(error.rfind(file.string() + message, 0), 0u) << error;
     };
     expect(kAsciiPly, "3 0 1 2", "3 0 1 3",
@@ -140,9 +141,9 @@ TEST(Ply, MessagesSayWhere) {
     std::string binary = binary_ply(false);
     binary.resize(binary.size() - 3);
     const auto file = write_text(folder, "b.ply", binary);
-    EXPECT_EQ(message_of(read_plain_ply, file),
-              file.string() + ": byte offset " + std::to_string(binary.size() - 1) +
-                  ": the file ends too early, expected 4 more bytes");
+    EXPECT_EQ(message_of(read_ply, file), file.string() + ": byte offset " +
+                                              std::to_string(binary.size() - 1) +
+                                              ": the file ends too early, expected 4 more bytes");
 }
 
 /// One face with so many corners and values of its own.
@@ -173,7 +174,7 @@ TEST(Ply, ManyValuesOfALargePolygonAreRefused) {
     std::vector<std::string> properties;
     for (int i = 0; i < 40; ++i) properties.push_back("a" + std::to_string(i) + "_x");
     const auto file = write_text(folder, "a.ply", polygon_ply(30'000, properties));
-    EXPECT_EQ(message_of(read_plain_ply, file),
+    EXPECT_EQ(message_of(read_ply, file),
               file.string() +
                   ":53: the attributes of the faces have 1199920 values, one for each "
                   "triangle, expected at most 1000000");

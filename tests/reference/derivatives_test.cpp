@@ -9,6 +9,7 @@
 #include "reference/compare.h"
 #include "reference/interfaces.h"
 #include "reference/layers.h"
+#include "render/unpacked_record.h"
 #include "worst.h"
 
 namespace burnish {
@@ -170,8 +171,8 @@ reference::Gradient gradient_of_half(const PathCacheInput& input, const PathCach
             for (const RecordRun& run : pass.tiles[t].runs)
                 for (std::size_t i = kLanes * run.begin; i < kLanes * run.end; ++i) {
                     const PathRecord r =
-                        unpack_record(pass.tiles[t].blocks[i / kLanes], i % kLanes, run.bsdf,
-                                      workspace.tiles[t].tile, binding.film().crop_width);
+                        test::unpack_record(pass.tiles[t].blocks[i / kLanes], i % kLanes, run.bsdf,
+                                            workspace.tiles[t].tile, binding.film().crop_width);
                     for (const auto& [texel, d] :
                          derivatives(world, adjoint, test::path_of(world, r, film)))
                         gradient[texel] += d.g * share;

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "random_source.h"
+#include "render/unpacked_record.h"
 
 namespace burnish {
 namespace {
@@ -82,7 +83,7 @@ TEST(Records, EverySampleOfUnknownsIsKeptOnceInItsBsdfsRun) {
         for (const DirectSample& direct_sample : direct_samples) {
             if (!direct_sample.has_unknowns || direct_sample.record.bsdf != run.bsdf) continue;
             const RecordBlock& block = packed.blocks[run.begin + lane / kLanes];
-            const PathRecord r = unpack_record(block, lane % kLanes, run.bsdf, tile, kWidth);
+            const PathRecord r = test::unpack_record(block, lane % kLanes, run.bsdf, tile, kWidth);
             EXPECT_EQ(r.pixel, direct_sample.record.pixel);
             EXPECT_EQ(r.uv.x, direct_sample.record.uv.x);
             EXPECT_EQ(r.uv.y, direct_sample.record.uv.y);
@@ -92,8 +93,8 @@ TEST(Records, EverySampleOfUnknownsIsKeptOnceInItsBsdfsRun) {
             ++lane;
         }
         for (; lane < kLanes * std::size_t{run.end - run.begin}; ++lane)
-            EXPECT_TRUE(is_black(unpack_record(packed.blocks[run.begin + lane / kLanes],
-                                               lane % kLanes, run.bsdf, tile, kWidth)
+            EXPECT_TRUE(is_black(test::unpack_record(packed.blocks[run.begin + lane / kLanes],
+                                                     lane % kLanes, run.bsdf, tile, kWidth)
                                      .radiance_over_pdf));
         next[static_cast<std::size_t>(run.bsdf.value)] = lane;
     }
