@@ -32,27 +32,6 @@ const Given kDemo[] = {
 };
 const Given kDemoStop{"", {"stop.seconds"}, {"20"}};
 
-constexpr RenamedOption kRenamed[] = {
-    {"--pool-spp", "--spp"},
-    {"--pool-window", "--set path_cache.window=N"},
-    {"--pool-sequence", "--set path_cache.sequence=NAME"},
-    {"--shift", "--set reservoirs.shift=NAME"},
-    {"--target-function", "--set reservoirs.target_function=NAME"},
-    {"--merge", "--set reservoirs.merge=NAME"},
-    {"--confidence-cap", "--set reservoirs.confidence_cap=X"},
-    {"--pixel-choice",
-     "--set monte_carlo.adaptive_sampling=true|false or --set reservoirs.adaptive_sampling=..."},
-    {"--optimizer", "--set adam.gate=true|false"},
-    {"--initial-rate", "--set adam.initial_rate=X"},
-    {"--beta1", "--set adam.beta1=X"},
-    {"--beta2", "--set adam.beta2=X"},
-    {"--parameterization", "--set parameterization=NAME"},
-    {"--pyramid-levels", "--set pyramid.levels=N"},
-    {"--detail-decay", "--set pyramid.weight_decay=X"},
-    {"--unseen", "--set unvisited=NAME"},
-    {"--light-selection", "--set scene.light_selection=NAME"},
-};
-
 /// Rows of one flag: those of several estimators share one.
 struct Flag {
     Setting first;
@@ -146,21 +125,6 @@ void add_help_all(CLI::App& command) {
             },
             "All options")
         ->group(kMoreOptions);
-}
-
-/// Options that were renamed are known, to say so.
-void add_renamed(CLI::App& command) {
-    for (const RenamedOption& r : kRenamed)
-        command
-            .add_option_function<std::vector<std::string>>(
-                r.flag,
-                [r](const std::vector<std::string>&) {
-                    throw UsageError(fmt::format("{}: the option is now {}", r.flag, r.now));
-                },
-                "")
-            ->expected(0, 1)
-            ->allow_extra_args(false)
-            ->group(kMoreOptions);
 }
 
 Given parse_set(const std::string& text) {
@@ -258,8 +222,6 @@ void check_run(const Settings& settings) {
 
 }  // namespace
 
-std::span<const RenamedOption> renamed_options() { return kRenamed; }
-
 void take_process(const RunSettings& from, RunSettings& to) {
     to.threads = from.threads, to.max_memory = from.max_memory, to.live = from.live;
     to.checkpoint_seconds = from.checkpoint_seconds;
@@ -276,7 +238,6 @@ void add_optimize_options(CLI::App& command, OptimizeArguments& arguments) {
     add_text(command, "--resume", arguments.resume, "DIR",
              "Goes on with the run in a folder that was stopped there");
     add_help_all(command);
-    add_renamed(command);
 }
 
 Settings make_settings(const OptimizeArguments& arguments) {

@@ -37,11 +37,4 @@ Settings resumed_settings(const std::string& folder, const std::string& recorded
 /// viewer, the time between checkpoints.
 void take_process(const RunSettings& from, RunSettings& to);
 
-/// The names that options had, and what they are called now.
-struct RenamedOption {
-    const char* flag;
-    const char* now;
-};
-std::span<const RenamedOption> renamed_options();
-
 }  // namespace burnish

@@ -63,9 +63,6 @@ void print_markdown() {
         for (const Setting& s : all_settings())
             if (group_of(s) == group) page += entry(s);
     }
-    page += "\n## Renamed\n\n";
-    for (const RenamedOption& r : renamed_options())
-        page += wrap(fmt::format("- `{}`: `{}`", r.flag, r.now), kPageWidth) + "\n";
     fmt::print("{}", page);
 }
 

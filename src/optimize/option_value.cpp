@@ -40,8 +40,6 @@ const Choice<Estimator> kEstimators[] = {
     {"path_cache", PathCache{}},       {"mc", MonteCarlo{}},
     {"ris", reservoirs(false, false)}, {"pris", reservoirs(true, false)},
     {"gris", reservoirs(false, true)}, {"pgris", reservoirs(true, true)}};
-/// Another name that is read, but not written.
-constexpr const char* kPathCacheAlias = "pool";
 
 }  // namespace
 
@@ -228,11 +226,6 @@ std::string from_text(const OptionInfo& info, const std::string& text, T& value)
         }
     } else {
         if (choose(text, value)) return {};
-        if constexpr (std::is_same_v<T, Estimator>)
-            if (text == kPathCacheAlias) {
-                value = PathCache{};
-                return {};
-            }
     }
     return fmt::format("expected {}, found '{}'", expected_text<T>(info), text);
 }

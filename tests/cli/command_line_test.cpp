@@ -713,8 +713,6 @@ TEST_F(CommandLine, BadInvocationsSayWhatIsWrong) {
          "missing.json: the file cannot be read"},
         {"optimize scene.xml --parameter base_color --options . -o out", 65,
          ".: found a folder, expected a file with names of options"},
-        {"optimize scene.xml --parameter base_color --pool-window 8 -o out", 2,
-         "--pool-window: the option is now --set path_cache.window=N"},
         {"optimize scene.xml --parameter base_color --estimator mc --set reservoirs.shift=replay "
          "-o out",
          2, "--set reservoirs.shift has no effect: it needs an estimator that reuses reservoirs"},
@@ -726,7 +724,7 @@ TEST_F(CommandLine, BadInvocationsSayWhatIsWrong) {
          "no parameter is called 'panel.base_color'"},
         {"optimize scene.xml --parameter base_color --parameter base_color -o out", 65,
          "are one texture"},
-        {"optimize scene.xml --parameter base_color --compare pool -o out", 2,
+        {"optimize scene.xml --parameter base_color --compare path_cache -o out", 2,
          "the first run uses path_cache already"},
         {"optimize scene.xml --parameter base_color --max-memory 0.01 -o out", 77,
          "expected --max-memory above both together, found 10.2 MiB"},
@@ -768,7 +766,6 @@ TEST_F(CommandLine, HelpFitsOneScreen) {
         EXPECT_TRUE(contains(all, name)) << name;
         EXPECT_FALSE(contains(help, name)) << name;
     }
-    EXPECT_FALSE(contains(all, "--pool-window"));
 }
 
 TEST_F(CommandLine, TheReferencePageIsThatOfTheTable) {

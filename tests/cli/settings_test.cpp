@@ -336,16 +336,5 @@ TEST(Settings, AnOptionWithoutEffectIsAnError) {
     EXPECT_EQ(usage_error({"--parameter", "b@0.1", "--learning-rate", "0.2"}), "");
 }
 
-TEST(Settings, RenamedOptionsSayTheirNewName) {
-    for (const RenamedOption& r : renamed_options()) {
-        const std::string message = usage_error({r.flag, "1"});
-        EXPECT_EQ(message, std::string(r.flag) + ": the option is now " + r.now);
-        const std::string now = r.now;
-        if (!now.starts_with("--set ")) continue;
-        const std::string name = now.substr(6, now.find('=') - 6);
-        EXPECT_EQ(find_setting(name).info.name, name);
-    }
-}
-
 }  // namespace
 }  // namespace burnish
