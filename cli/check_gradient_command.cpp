@@ -16,6 +16,7 @@
 #include "gradient/check_gradient.h"
 #include "gradient/theta.h"
 #include "scene/constants.h"
+#include "scene/parameter_names.h"
 
 namespace burnish {
 
@@ -72,11 +73,13 @@ void run(const CheckGradientCommandOptions& options) {
     const Scene& scene = renderer.data().scene();
     Theta theta;
     std::vector<std::string> names;
+    std::vector<TextureId> textures;
     for (const std::size_t i : parameters) {
         const Parameter& p = scene.parameters[i];
         add_unknown(scene, p.name, p.texture, theta);
-        names.push_back(p.name);
+        names.push_back(p.name), textures.push_back(p.texture);
     }
+    require_distinct(options.parameters, textures);
     std::vector<GradientCheck> checks;
     {
         ProgressLine line("comparing");

@@ -12,6 +12,7 @@
 #include "optimize/option_value.h"
 #include "optimize/setup.h"
 #include "scene/constants.h"
+#include "scene/parameter_names.h"
 
 namespace burnish {
 
@@ -67,18 +68,16 @@ TargetTexture make_target_texture(const RunSettings& run, std::size_t i, bool re
 std::vector<TargetTexture> make_target_textures(const Settings& settings, bool rendered,
                                                 Scene& scene) {
     std::vector<TargetTexture> textures;
+    std::vector<std::string> names;
     std::vector<TextureId> ids;
     for (std::size_t i = 0; i < settings.run.parameters.size(); ++i) {
         TargetTexture t = make_target_texture(settings.run, i, rendered, scene);
-        for (const TargetTexture& other : textures) {
-            if (other.texture == t.texture)
-                throw InputError(
-                    fmt::format("the parameters {} and {} are one texture", other.name, t.name));
+        for (const TargetTexture& other : textures)
             if (other.file == t.file) t.file += fmt::format("_{}", i);
-        }
-        ids.push_back(t.texture);
+        names.push_back(t.name), ids.push_back(t.texture);
         textures.push_back(std::move(t));
     }
+    require_distinct(names, ids);
     for (TargetTexture& t : textures)
         t.learning_rate =
             learning_rate_of(scene, ids, t.texture, t.start_kind, settings.options, t.own_rate);

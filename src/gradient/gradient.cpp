@@ -23,14 +23,13 @@ Theta theta_of(const Scene& scene, const std::vector<std::string>& parameters,
         return std::find_if(theta.textures.begin(), theta.textures.end(),
                             [&](const ThetaTexture& t) { return t.texture == id; });
     };
-    for (const std::string& name : parameters)
-        add_unknown(scene, name, find_texture(scene, name), theta);
-    std::vector<TextureId> replaced;
+    const std::vector<TextureId> unknowns = find_textures(scene, parameters);
+    for (std::size_t i = 0; i < parameters.size(); ++i)
+        add_unknown(scene, parameters[i], unknowns[i], theta);
+    const std::vector<TextureId> replaced = find_textures(scene, textures);
+    std::size_t next = 0;
     for (const auto& [name, image] : textures) {
-        const TextureId id = find_texture(scene, name);
-        require(std::ranges::count(replaced, id) == 0,
-                "the texture " + name + " is the same as another one");
-        replaced.push_back(id);
+        const TextureId id = replaced[next++];
         Image texels = texels_of(std::get<Bitmap>(scene[id]), name, image);
         if (const auto at = find(id); at != theta.textures.end())
             at->values = std::move(texels);

@@ -129,8 +129,6 @@ bool can_be_recovered(const Scene& scene, TextureId texture) {
 }
 
 void add_unknown(const Scene& scene, const std::string& name, TextureId texture, Theta& theta) {
-    if (std::ranges::count(theta.textures, texture, &ThetaTexture::texture) > 0)
-        throw InputError("the unknown " + name + " is the same texture as another one");
     check_unknown(scene, name, texture);
     theta.textures.push_back({texture, linear_image(std::get<Bitmap>(scene[texture]))});
 }

@@ -58,8 +58,8 @@ void check_unknown(const Scene& scene, const std::string& name, TextureId textur
 /// Whether check_unknown has no objection.
 bool can_be_recovered(const Scene& scene, TextureId texture);
 
-/// Adds the texture to theta with its values in the scene. Throws InputError as check_unknown does,
-/// and where it is in theta already.
+/// Adds the texture, which is not in theta yet, with its values in the scene. Throws InputError as
+/// check_unknown does.
 void add_unknown(const Scene& scene, const std::string& name, TextureId texture, Theta& theta);
 
 }  // namespace burnish

@@ -146,14 +146,10 @@ Setup make_setup(Problem problem, Options options) {
     setup.fitted = fitted_views(setup.problem);
     setup.owners = owners_of_views(setup.problem, setup.options.batch);
     const Scene& scene = scene_of(setup);
-    std::vector<TextureId> ids;
-    for (const Unknown& u : setup.problem.unknowns) {
-        const TextureId id = find_texture(scene, u.name);
-        require(std::find(ids.begin(), ids.end(), id) == ids.end(),
-                "the unknown " + u.name + " is the same texture as another one");
-        check_unknown(scene, u.name, id);
-        ids.push_back(id);
-    }
+    std::vector<std::string> names;
+    for (const Unknown& u : setup.problem.unknowns) names.push_back(u.name);
+    const std::vector<TextureId> ids = find_textures(scene, names);
+    for (std::size_t i = 0; i < ids.size(); ++i) check_unknown(scene, names[i], ids[i]);
     for (std::size_t i = 0; i < ids.size(); ++i) {
         Unknown& u = setup.problem.unknowns[i];
         check_rate(u);

@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <ranges>
+
 #include "burnish/error.h"
 #include "image/image.h"
 #include "image/whole.h"
@@ -29,6 +31,19 @@ TextureId find_texture(const Scene& scene, const std::string& parameter) {
     return scene.parameters[find_parameter(scene.parameters, parameter)].texture;
 }
 
+std::vector<TextureId> find_textures(const Scene& scene,
+                                     const std::vector<std::string>& parameters) {
+    std::vector<TextureId> textures;
+    for (const std::string& name : parameters) textures.push_back(find_texture(scene, name));
+    require_distinct(parameters, textures);
+    return textures;
+}
+
+std::vector<TextureId> find_textures(const Scene& scene, const TextureValues& values) {
+    const auto names = std::views::keys(values);
+    return find_textures(scene, std::vector<std::string>(names.begin(), names.end()));
+}
+
 Image texels_of(const Bitmap& bitmap, const std::string& parameter, const Image& image) {
     require_whole(image, parameter);
     if (const std::size_t bad = count_non_finite(image))
@@ -47,12 +62,13 @@ Image texels_of(const Bitmap& bitmap, const std::string& parameter, const Image&
 ReplacedTextures replace_textures(const Scene& scene, const TextureValues& values) {
     ReplacedTextures replaced{{},
                               {scene.textures, std::vector<const float*>(scene.textures.size())}};
+    const std::vector<TextureId> textures = find_textures(scene, values);
+    std::size_t next = 0;
     for (const auto& [name, image] : values) {
-        const TextureId id = find_texture(scene, name);
-        const float*& values_of_it = replaced.table.values[static_cast<std::size_t>(id.value)];
-        if (values_of_it) throw InputError("the texture " + name + " is the same as another one");
+        const TextureId id = textures[next++];
         replaced.images.push_back(texels_of(std::get<Bitmap>(scene[id]), name, image));
-        values_of_it = replaced.images.back().values.data();
+        replaced.table.values[static_cast<std::size_t>(id.value)] =
+            replaced.images.back().values.data();
     }
     return replaced;
 }

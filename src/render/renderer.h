@@ -25,6 +25,10 @@ inline Renderer make_renderer(Scene scene) {
 
 /// The texture that a name means. Throws InputError: none or several.
 TextureId find_texture(const Scene& scene, const std::string& parameter);
+/// Those of several names. Throws InputError, too, where two names mean one.
+std::vector<TextureId> find_textures(const Scene& scene,
+                                     const std::vector<std::string>& parameters);
+std::vector<TextureId> find_textures(const Scene& scene, const TextureValues& values);
 
 /// The scene's textures with some replaced. Throws InputError: no such parameter, two names of one
 /// texture, or texels of another size.

@@ -103,6 +103,15 @@ std::size_t find_parameter(const std::vector<Parameter>& parameters, const std::
     return matches.front();
 }
 
+void require_distinct(const std::vector<std::string>& names,
+                      const std::vector<TextureId>& textures) {
+    for (std::size_t i = 0; i < names.size(); ++i)
+        for (std::size_t k = 0; k < i; ++k)
+            if (textures[k] == textures[i])
+                throw InputError(
+                    fmt::format("the parameters {} and {} are one texture", names[k], names[i]));
+}
+
 std::size_t edit_distance(const std::string& a, const std::string& b) {
     const std::size_t width = b.size() + 1;
     std::vector<std::size_t> d((a.size() + 1) * width);

@@ -18,6 +18,11 @@ bool is_short_form(const std::string& short_form, const std::string& full_name);
 /// (says the nearest ones) or ambiguous (says all matches).
 std::size_t find_parameter(const std::vector<Parameter>& parameters, const std::string& name);
 
+/// Throws InputError where two of the names mean one texture; names both. textures: what the names
+/// mean.
+void require_distinct(const std::vector<std::string>& names,
+                      const std::vector<TextureId>& textures);
+
 /// The least number of characters inserted, removed, replaced or exchanged with the next one
 /// between a and b, each touched once.
 std::size_t edit_distance(const std::string& a, const std::string& b);

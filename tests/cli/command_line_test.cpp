@@ -275,7 +275,7 @@ TEST_F(CommandLine, CheckGradientKnowsRoundingAndTheDark) {
     expect_refused(
         "check-gradient texture.xml --parameter mat.reflectance --parameter "
         "mat.reflectance.data --spp 32",
-        65, "is the same texture as");
+        65, "the parameters mat.reflectance and mat.reflectance.data are one texture");
 }
 
 TEST_F(CommandLine, EmptyNamesAreRefused) {

@@ -73,5 +73,15 @@ TEST(ParameterNames, EditDistance) {
     EXPECT_EQ(edit_distance("acb", "abc"), 1u);
 }
 
+TEST(ParameterNames, TwoOfOneTextureAreBothNamed) {
+    EXPECT_NO_THROW(require_distinct({"a", "b"}, {{0}, {1}}));
+    try {
+        require_distinct({"a", "b", "c"}, {{0}, {1}, {0}});
+        ADD_FAILURE() << "expected an InputError";
+    } catch (const InputError& error) {
+        EXPECT_STREQ(error.what(), "the parameters a and c are one texture");
+    }
+}
+
 }  // namespace
 }  // namespace burnish
