@@ -21,7 +21,7 @@ struct Run {
     explicit Run(Solver s) : solver(std::move(s)) {}
     Solver solver;
     std::optional<Iteration> made;  ///< by a step, until it is handed over
-    bool failed = false;            ///< a step has, half-way
+    bool has_ended = false;         ///< a step has failed in a way from which none goes on
 };
 
 struct PythonSolver {
@@ -49,15 +49,21 @@ PythonSolver make_solver(const PythonProblem& problem, const std::optional<State
     return made;
 }
 
+/// What fails before the optimiser's step leaves the solver as it was. An exchange may fail within
+/// it, too.
 void step(Run& run) {
-    if (run.failed)
+    if (run.has_ended)
         throw Error(
             "an iteration of this solver has failed half-way: begin another solver, from a state "
             "that was kept before");
+    const bool has_others = run.solver.problem().ranks.count > 1;
     try {
         run.made = run.solver.step();
+    } catch (const ResourceError&) {
+        run.has_ended = true;
+        throw;
     } catch (...) {
-        run.failed = true;
+        run.has_ended = has_others;
         throw;
     }
 }

@@ -45,11 +45,33 @@ def test_what_a_loss_raises_arrives_whole(renderer, target):
     with pytest.raises(ZeroDivisionError, match="of the loss") as raised:
         next(solver)
     assert raised.traceback[-1].name == "loss"
-    with pytest.raises(burnish.Error, match="half-way"):
+    with pytest.raises(ZeroDivisionError):
         solver.step()
-    assert solver.textures[NAME].mean() == 0.5  # still there
+    assert solver.iterations == 0 and solver.textures[NAME].mean() == 0.5  # as it was
     with pytest.raises(ZeroDivisionError):
         burnish.solve(burnish.Problem(renderer, target, NAME, loss), iterations=1)
+
+
+@pytest.mark.parametrize("estimator", ["path_cache", "mc"])
+@pytest.mark.parametrize("failing", [1, 2, 5])
+def test_a_solver_goes_on_after_its_loss_has_raised(renderer, target, failing, estimator):
+    calls = 0
+
+    def loss(image, view):
+        nonlocal calls
+        calls += 1
+        if calls == failing:
+            raise ZeroDivisionError("once")
+        return relative(target)(image, view)
+
+    other = solver_of(renderer, target, relative(target), estimator=estimator)
+    solver = solver_of(renderer, target, loss, estimator=estimator)
+    with pytest.raises(ZeroDivisionError, match="once"):
+        list(solver)
+    rest, all_of = list(solver), list(other)
+    assert [i.number for i in rest] == [0, 1, 2, 3, 4][-len(rest):] and solver.iterations == 5
+    assert [i.loss for i in rest] == [i.loss for i in all_of][-len(rest):]
+    assert solver.state == other.state
 
 
 def test_a_loss_that_raises_stop_iteration_does_not_end_the_loop(renderer, target):
