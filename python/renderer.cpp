@@ -166,10 +166,11 @@ SceneSettings settings_of(const std::optional<std::pair<int, int>>& size,
 
 Renderer load(nb::handle path, const std::optional<std::pair<int, int>>& size,
               const std::string& light_selection, const std::vector<std::string>& constants,
-              nb::handle definitions, const nb::kwargs& defines) {
-    return compute([file = to_path(path),
-                    settings = settings_of(size, light_selection, constants, definitions, defines)](
-                       const Flag&) { return Renderer::load(file, settings); });
+              bool ignore_unsupported, nb::handle definitions, const nb::kwargs& defines) {
+    SceneSettings settings = settings_of(size, light_selection, constants, definitions, defines);
+    settings.ignore_unsupported = ignore_unsupported;
+    return compute(
+        [file = to_path(path), settings](const Flag&) { return Renderer::load(file, settings); });
 }
 
 nb::object render(const Renderer& renderer, nb::handle textures, nb::handle spp, nb::handle seed) {
@@ -289,19 +290,21 @@ void bind_renderer(nb::module_& m) {
     });
     m.def("load", load, nb::arg("path"), nb::kw_only(), nb::arg("size") = nb::none(),
           nb::arg("light_selection") = "resampled",
-          nb::arg("constants") = std::vector<std::string>{}, nb::arg("definitions") = nb::none(),
-          nb::arg("defines"),
+          nb::arg("constants") = std::vector<std::string>{}, nb::arg("ignore_unsupported") = false,
+          nb::arg("definitions") = nb::none(), nb::arg("defines"),
           nb::sig("def load(path: str | os.PathLike[str], *, size: tuple[int, int] | None = None, "
                   "light_selection: typing.Literal['resampled', 'uniform', 'power', 'tree'] = "
                   "'resampled', "
-                  "constants: collections.abc.Sequence[str] = [], definitions: "
+                  "constants: collections.abc.Sequence[str] = [], ignore_unsupported: bool = "
+                  "False, definitions: "
                   "collections.abc.Mapping[str, object] | None = None, **defines: object) -> "
                   "Renderer"),
           "Reads a Mitsuba 3 scene file and all that it names.\n\nsize: width and height of the "
           "film; None: the scene's. constants: constants of materials that become textures, so\n"
           "that they can be recovered: 'mat.metallic' a single texel, 'mat.metallic:512' or "
-          "'mat.metallic:512x256' that many.\ndefines, definitions: values for $names of the scene "
-          "file, as keyword arguments or as a dictionary.");
+          "'mat.metallic:512x256' that many.\nignore_unsupported: goes on without what is not "
+          "supported; Renderer.warnings say what was left out.\ndefines, definitions: values for "
+          "$names of the scene file, as keyword arguments or as a dictionary.");
 }
 
 }  // namespace burnish::python

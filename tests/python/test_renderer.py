@@ -1,6 +1,7 @@
 """Scenes, pictures, textures."""
 import collections.abc
 import json
+import shutil
 import struct
 import time
 import types
@@ -91,6 +92,18 @@ def test_definitions_and_size(scene, renderer):
         with pytest.raises(burnish.InputError, match="size: found .* expected a width and a height from 1 to 32768"):
             burnish.load(scene, size=size)
     assert burnish.load(scene, size=(40, 40), light_selection="tree").width == 40
+
+
+def test_what_is_not_supported_can_be_left_out(scene, tmp_path):
+    folder = shutil.copytree(scene.parent, tmp_path / "scene")
+    text = scene.read_text().replace("</scene>", '<emitter type="sunsky"/></scene>')
+    (folder / "scene.xml").write_text(text)
+    with pytest.raises(burnish.InputError, match='emitter "sunsky"'):
+        burnish.load(folder / "scene.xml", size=(16, 16))
+    renderer = burnish.load(folder / "scene.xml", size=(16, 16), ignore_unsupported=True)
+    assert any('emitter "sunsky" is' in w and ": left out, " in w for w in renderer.warnings), renderer.warnings
+    with pytest.raises(TypeError):
+        burnish.load(scene, ignore_unsupported=2)
 
 
 def test_constants_become_parameters(scene):
