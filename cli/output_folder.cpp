@@ -77,11 +77,11 @@ void refuse_content(const OutputFolder& output, Found found) {
 }
 
 /// Another run holds the lock for as long as it lives, however it ends. Where the file system has
-/// no locks the file is open without one.
+/// no locks the file is open without one. Who may go on with a run that was killed is left to the
+/// umask, as with all other files.
 int take_lock(const fs::path& file, const fs::path& folder) {
-    const int lock = open(file.c_str(), O_RDWR | O_CREAT | O_NOFOLLOW | O_CLOEXEC, 0644);
-    if (lock < 0)
-        fail(folder, fmt::format("the folder cannot be written: {}", std::strerror(errno)));
+    const int lock = open(file.c_str(), O_RDWR | O_CREAT | O_NOFOLLOW | O_CLOEXEC, 0666);
+    if (lock < 0) fail(file, fmt::format("cannot be written: {}", std::strerror(errno)));
     if (flock(lock, LOCK_EX | LOCK_NB) == 0) return lock;
     const int error = errno;
     if (error == ENOSYS || error == ENOLCK || error == EOPNOTSUPP) {
@@ -268,7 +268,7 @@ std::vector<std::string> unfinished_files(const OutputFolder& output) {
 
 void require_room(const OutputFolder& output, double bytes) {
     const fs::path trial = output.unfinished / "room";
-    const int file = open(trial.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0644);
+    const int file = open(trial.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
     int error = file < 0 ? errno : 0;
     if (file >= 0 && fallocate(file, 0, 0, static_cast<off_t>(bytes)) != 0) error = errno;
     if (error == EOPNOTSUPP || error == ENOSYS)

@@ -8,6 +8,7 @@
 #include <functional>
 #include <map>
 #include <thread>
+#include <utility>
 
 #include "burnish/error.h"
 #include "cli/folder_content.h"
@@ -129,6 +130,29 @@ TEST_F(OutputFolderTest, AnEmptyOneHoldsNoResultsEither) {
     EXPECT_NO_THROW(open_output_folder(folder / "out", Found::kRefused));
     put("killed/.burnish-unfinished/lock", "");
     EXPECT_NO_THROW(open_output_folder(folder / "killed", Found::kEmpty));
+}
+
+/// Another member of a group goes on with a run that was killed: the lock is opened for writing.
+TEST_F(OutputFolderTest, TheUmaskDecidesWhoMayTakeTheLock) {
+    for (const auto& [mask, expected] : {std::pair<mode_t, mode_t>{002, 0664}, {077, 0600}}) {
+        const mode_t before = umask(mask);
+        const OutputFolder output = open_output_folder(folder / "out", Found::kRefused);
+        umask(before);
+        struct stat status {};
+        ASSERT_EQ(stat(lock_of("out").c_str(), &status), 0);
+        EXPECT_EQ(status.st_mode & 0777, expected);
+    }
+}
+
+TEST_F(OutputFolderTest, ALockThatCannotBeOpenedIsNamed) {
+    fs::create_directories(lock_of("out"));
+    try {
+        open_output_folder(folder / "out", Found::kRefused);
+        ADD_FAILURE() << "it was opened";
+    } catch (const OutputError& error) {
+        EXPECT_TRUE(contains(error.what(), "/lock: cannot be written: Is a directory"))
+            << error.what();
+    }
 }
 
 TEST_F(OutputFolderTest, FoldersThatWereMadeGo) {
