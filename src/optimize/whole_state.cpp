@@ -5,21 +5,19 @@
 #include "burnish/error.h"
 #include "optimize/iterate.h"
 #include "optimize/owners.h"
+#include "optimize/pieces.h"
 #include "optimize/shared_pyramid.h"
 
 namespace burnish {
 
 namespace {
 
-/// What the first process asks for: bytes from one on, of a view or of an array of the pyramids
-/// that lies in parts.
-struct Request {
-    std::uint64_t which = 0, at = 0;  ///< views first, then the arrays
-    int owner = 0;
+/// What the first process takes from another one at once: a view, a part of it, or an array of the
+/// pyramids that lies in parts.
+struct Piece {
+    std::size_t which = 0;   ///< views first, then the arrays
     std::uint32_t part = 0;  ///< of a view whose bands are shared out: see write_part
 };
-/// Instead of a view's number.
-constexpr std::uint64_t kNoMore = ~std::uint64_t{0};
 
 IndexRange bands_of_view(const WholeState& state, std::size_t which, int rank) {
     const std::vector<ViewState>& views = state.own.views;
@@ -76,83 +74,77 @@ void write_part(const ViewState& view, const IndexRange& bands, std::uint32_t pa
         archive.raw(b.counts.data(), b.counts.size() * sizeof b.counts[0]);
 }
 
-/// Passes arrays over, but for the bytes [at, at + size) of what is written.
-struct Slice {
-    std::uint64_t at = 0, size = 0, begin = 0;  ///< begin: of what comes next
-    std::string bytes = {};
-
-    void take(const void* from, std::size_t count) {
-        const std::uint64_t first = std::clamp(at, begin, begin + count);
-        const std::uint64_t last = std::clamp(at + size, begin, begin + count);
-        bytes.append(static_cast<const char*>(from) + (first - begin), last - first);
-        begin += count;
-    }
-};
+std::uint32_t parts_of(const ViewState& view) {
+    std::size_t parts = 1 + 2 * view.backgrounds.size();
+    for (const CacheHalf& half : std::get<PathCacheState>(view.estimator).halves)
+        parts += half.passes.size();
+    return static_cast<std::uint32_t>(parts);
+}
 
 /// Calls body(array) for the entries that this process has of array `which`, all pyramids' counted.
 template <class Body>
-void with_array(const std::vector<PyramidState>& pyramids, std::uint64_t which, const Body& body) {
-    std::uint64_t number = 0;
+void with_array(const std::vector<PyramidState>& pyramids, std::size_t which, const Body& body) {
+    std::size_t number = 0;
     for (const PyramidState& pyramid : pyramids)
         for_parted_arrays(pyramid, [&](const auto& array, std::size_t, std::size_t) {
             if (number++ == which) body(array);
         });
 }
 
-/// As many bytes as there are, of those that are asked for.
-std::string slice_of(const WholeState& state, const Request& request) {
-    Slice slice{request.at, state.slice};
-    const auto sink = [&](const void* from, std::size_t count) { slice.take(from, count); };
+/// Whether each array of the pyramids lies in parts, as the first process sees it.
+std::string parted_arrays(const WholeState& state) {
+    std::string flags;
+    for (const PyramidState& pyramid : state.own.pyramids)
+        for_parted_arrays(pyramid, [&](const auto& array, std::size_t floats, std::size_t per) {
+            flags += static_cast<char>(is_part(array.size(), floats, per, state.ranks));
+        });
+    return flags;
+}
+
+/// What one of the others has, in the order in which the first process takes it.
+std::vector<Piece> pieces_of(const WholeState& state, const std::string& parted) {
+    std::vector<Piece> pieces;
+    const std::size_t views = state.own.views.size();
+    for (std::size_t i = 0; i < parted.size(); ++i)
+        if (parted[i]) pieces.push_back({views + i});
+    for (std::size_t v = 0; v < views; ++v) {
+        if (bands_of_view(state, v, state.ranks.rank).empty()) continue;
+        const bool is_shared = owners_of_view(state, v).size() > 1;
+        const std::uint32_t parts = is_shared ? parts_of(state.own.views[v]) : 1;
+        for (std::uint32_t part = 0; part < parts; ++part) pieces.push_back({v, part});
+    }
+    return pieces;
+}
+
+void write_piece(const WholeState& state, const Piece& piece, const ByteSink& sink) {
     const std::size_t views = state.own.views.size();
     ArchiveWriter archive(sink);
-    if (request.which < views && owners_of_view(state, request.which).size() > 1)
-        write_part(state.own.views[request.which],
-                   bands_of_view(state, request.which, state.ranks.rank), request.part, archive);
-    else if (request.which < views)
-        archive(state.own.views[request.which]);
+    if (piece.which < views && owners_of_view(state, piece.which).size() > 1)
+        write_part(state.own.views[piece.which],
+                   bands_of_view(state, piece.which, state.ranks.rank), piece.part, archive);
+    else if (piece.which < views)
+        archive(state.own.views[piece.which]);
     else
-        with_array(state.own.pyramids, request.which - views,
+        with_array(state.own.pyramids, piece.which - views,
                    [&](const auto& array) { sink(array.data(), array.size() * sizeof array[0]); });
-    return std::move(slice.bytes);
-}
-
-/// Of one of the others, until the first process asks for no more.
-void serve(const WholeState& state) {
-    for (Request r = agree(state.ranks, Request{}); r.which != kNoMore;
-         r = agree(state.ranks, Request{})) {
-        std::vector<std::string> messages = to_each(state.ranks);
-        if (r.owner == state.ranks.rank) messages.front() = slice_of(state, r);
-        state.ranks.exchange(std::move(messages));
-    }
-}
-
-/// Of the first process: what another one has, slice by slice.
-void fetch(const WholeState& state, Request request, ArchiveWriter& archive) {
-    std::size_t size = state.slice;
-    for (; size == state.slice; request.at += size) {
-        agree(state.ranks, request);
-        const std::vector<std::string> came = state.ranks.exchange(to_each(state.ranks));
-        const std::string& slice = came[static_cast<std::size_t>(request.owner)];
-        archive.raw(slice.data(), slice.size());
-        size = slice.size();
-    }
 }
 
 /// What one of its owners has of a view whose bands are shared out.
-void take_part(const WholeState& state, const Request& request, ArchiveWriter& archive) {
-    if (request.owner != state.ranks.rank) return fetch(state, request, archive);
-    write_part(state.own.views[request.which], bands_of_view(state, request.which, request.owner),
-               request.part, archive);
+void take_part(const WholeState& state, const Piece& piece, int owner, TakenPieces& others,
+               ArchiveWriter& archive) {
+    if (owner != state.ranks.rank) return take_piece(others, owner, archive);
+    write_part(state.own.views[piece.which], bands_of_view(state, piece.which, owner), piece.part,
+               archive);
 }
 
 /// The outlines that the owners have of a view.
 std::vector<ViewState> outlines_of(const WholeState& state, std::size_t which,
-                                   const std::vector<int>& owners) {
+                                   const std::vector<int>& owners, TakenPieces& others) {
     std::vector<ViewState> outlines;
     for (const int owner : owners) {
         std::string bytes;
         ArchiveWriter writer(sink_into(bytes));
-        take_part(state, {which, 0, owner}, writer);
+        take_part(state, {which}, owner, others, writer);
         reader_of(bytes)(outlines.emplace_back());
     }
     return outlines;
@@ -160,13 +152,13 @@ std::vector<ViewState> outlines_of(const WholeState& state, std::size_t which,
 
 /// As the fields of ViewState, from several owners.
 void write_shared_view(ArchiveWriter& archive, const WholeState& state, std::size_t which,
-                       const std::vector<int>& owners) {
-    const std::vector<ViewState> outlines = outlines_of(state, which, owners);
+                       const std::vector<int>& owners, TakenPieces& others) {
+    const std::vector<ViewState> outlines = outlines_of(state, which, owners, others);
     const ViewState& view = outlines.front();
     std::uint32_t part = 0;
     const auto next_part = [&] {
         ++part;
-        for (const int owner : owners) take_part(state, {which, 0, owner, part}, archive);
+        for (const int owner : owners) take_part(state, {which, part}, owner, others, archive);
     };
     archive(view.visits, static_cast<std::uint32_t>(view.estimator.index()));
     for (const CacheHalf& half : std::get<PathCacheState>(view.estimator).halves) {
@@ -192,14 +184,15 @@ void write_shared_view(ArchiveWriter& archive, const WholeState& state, std::siz
     archive(view.exposure);
 }
 
-void write_view(ArchiveWriter& archive, const WholeState& state, std::size_t which) {
+void write_view(ArchiveWriter& archive, const WholeState& state, std::size_t which,
+                TakenPieces& others) {
     const std::vector<int> owners = owners_of_view(state, which);
     if (owners.size() > 1)
-        write_shared_view(archive, state, which, owners);
+        write_shared_view(archive, state, which, owners, others);
     else if (owners.front() == state.ranks.rank)
         archive(state.own.views[which]);
     else
-        fetch(state, {which, 0, owners.front()}, archive);
+        take_piece(others, owners.front(), archive);
 }
 
 void read_cache(ArchiveReader& archive, const IndexRange& bands, PathCacheState& cache) {
@@ -236,8 +229,7 @@ ViewState read_view(ArchiveReader& archive, const Ranks& ranks, std::size_t whic
 }
 
 /// As the fields of PyramidState, for all of them. Arrays come in the order of for_parted_arrays.
-void write_pyramids(ArchiveWriter& archive, const WholeState& state) {
-    std::uint64_t which = state.own.views.size();
+void write_pyramids(ArchiveWriter& archive, const WholeState& state, TakenPieces& others) {
     archive(std::uint64_t{state.own.pyramids.size()});
     for (const PyramidState& pyramid : state.own.pyramids) {
         const auto array = [&](const auto& own, const Image& level, std::size_t per) {
@@ -245,11 +237,10 @@ void write_pyramids(ArchiveWriter& archive, const WholeState& state) {
             if (is_part(own.size(), floats, per, state.ranks)) {
                 archive(std::uint64_t{entries_of({0, floats}, per).size()});
                 archive.raw(own.data(), own.size() * sizeof own[0]);
-                for (int r = 1; r < state.ranks.count; ++r) fetch(state, {which, 0, r}, archive);
+                for (int r = 1; r < state.ranks.count; ++r) take_piece(others, r, archive);
             } else {
                 archive(own);
             }
-            ++which;
         };
         archive(std::uint64_t{pyramid.levels.size()});
         for (const LevelState& level : pyramid.levels) {
@@ -285,6 +276,7 @@ void drop_views_of_others(const Setup& setup, State::Values& state) {
 
 void write_whole(const WholeState& state, const std::function<void()>& write) {
     if (state.ranks.count == 1) return write();
+    const std::string parted = from_first(state.ranks, parted_arrays(state));
     std::string error;
     if (is_first(state.ranks)) {
         try {
@@ -292,9 +284,12 @@ void write_whole(const WholeState& state, const std::function<void()>& write) {
         } catch (const std::exception& e) {  // the others wait
             error = e.what();
         }
-        agree(state.ranks, Request{kNoMore});
+        end_pieces(state.ranks);
     } else {
-        serve(state);
+        const std::vector<Piece> pieces = pieces_of(state, parted);
+        give_pieces(state.ranks, {pieces.size(), [&](std::size_t i, const ByteSink& sink) {
+                                      write_piece(state, pieces[i], sink);
+                                  }});
     }
     error = from_first(state.ranks, error);
     if (!error.empty()) throw OutputError(error);
@@ -302,10 +297,11 @@ void write_whole(const WholeState& state, const std::function<void()>& write) {
 
 // As the fields of State::Values.
 void fields(ArchiveWriter& archive, const WholeState& v) {
+    TakenPieces others{v.ranks, v.slice};
     archive(v.own.iteration, v.own.theta);
-    write_pyramids(archive, v);
+    write_pyramids(archive, v, others);
     archive(std::uint64_t{v.own.views.size()});
-    for (std::size_t i = 0; i < v.own.views.size(); ++i) write_view(archive, v, i);
+    for (std::size_t i = 0; i < v.own.views.size(); ++i) write_view(archive, v, i, others);
     archive(v.own.patience, v.own.searched, v.own.search_effort, v.own.search_costs,
             v.own.searched_again);
 }

@@ -19,7 +19,8 @@ void drop_views_of_others(const Setup& setup, State::Values& state);
 struct WholeState {
     const State::Values& own;
     const Ranks& ranks;
-    /// Bytes that are sent at once: a view may be as large as the memory that is left.
+    /// Bytes of the others that the first process has at once: a view may be as large as the
+    /// memory that is left.
     std::size_t slice = std::size_t{1} << 24;
 };
 

@@ -268,6 +268,7 @@ TEST_F(ProcessesAndCheckpoints, PartsAreSentInSlices) {
         for (PyramidState& p : part.pyramids) keep_part(p, ranks.rank, ranks.count);
         EXPECT_FALSE(part.pyramids == whole.values().pyramids);
         test::expect_whole_in_slices(part, ranks, expected);
+        test::expect_few_exchanges(part, ranks);
     });
 }
 

@@ -89,6 +89,20 @@ inline void expect_whole_in_slices(const State::Values& part, const Ranks& ranks
     }
 }
 
+/// Of what fits into one slice, however many arrays and passes that is: which arrays lie in parts,
+/// what is asked for, what comes, the end, and whether the file was written.
+inline void expect_few_exchanges(const State::Values& part, const Ranks& ranks) {
+    int exchanges = 0;
+    Ranks counted = ranks;
+    counted.exchange = [&](std::vector<std::string> messages) {
+        ++exchanges;
+        return ranks.exchange(std::move(messages));
+    };
+    const WholeState state{part, counted};
+    write_whole(state, [&] { ArchiveWriter{[](const void*, std::size_t) {}}(state); });
+    EXPECT_EQ(exchanges, 5);
+}
+
 /// A run of so many processes, up to the number of iterations where it is stopped.
 struct Leg {
     int processes = 1;

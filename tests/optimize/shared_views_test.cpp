@@ -207,6 +207,7 @@ TEST_F(SharedViewsAndCheckpoints, BandsAreSentInSlices) {
         const Problem own = test::of_rank(problem, ranks);
         const State part = solve(own, options).state;
         test::expect_whole_in_slices(part.values(), ranks, expected, 50000);
+        test::expect_few_exchanges(part.values(), ranks);
     });
 }
 
