@@ -9,6 +9,7 @@
 #include "cli/console.h"
 #include "cli/process_memory.h"
 #include "cli/progress.h"
+#include "cli/unseeing_views.h"
 #include "gradient/binding.h"
 #include "gradient/estimator.h"
 #include "gradient/path_cache/path_cache.h"
@@ -119,6 +120,7 @@ void plan_memory(RunViews views, RunResult& run) {
     const TickingLine line("estimating the memory");
     const Theta theta = initial_theta(run);
     const std::vector<std::vector<char>> reaching = reaching_pixels(views.fitted, theta);
+    find_unseeing_views(reaching, run);
     views.reaching = reaching;
     const double limit = memory_limit(run);
     run.memory = plan_run(views, theta, limit, run.settings.options, run);

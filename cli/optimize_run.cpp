@@ -218,7 +218,6 @@ Renderer read_run(OutputFolder& output, Phases& phases, RunResult& run) {
     size_cameras(renderer, run);
     make_view_renderers(renderer, run);
     phases.end("pictures");
-    find_unseeing_views(run);
     plan_memory({scenes_of(run, false), scenes_of(run, true)}, run);
     log_pictures(run);
     warn_without_effect(renderer.data().scene(), run);

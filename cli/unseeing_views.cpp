@@ -18,15 +18,17 @@ namespace burnish {
 
 namespace {
 
-bool is_any_visible(const TracedScene& view, std::span<const char> bsdfs) {
-    const std::vector<char> pixels = visible_pixels(view, bsdfs);
+bool is_any(const std::vector<char>& pixels) {
     return std::find(pixels.begin(), pixels.end(), 1) != pixels.end();
 }
 
-/// Where light bounces, any surface may show the light of an unknown. bsdfs: non-zero of unknowns.
-bool can_show(const TracedScene& view, std::span<const char> bsdfs) {
-    if (!has_bounces(*view.scene)) return is_any_visible(view, bsdfs);
-    return shows_a_shape(view) || is_any_visible(view, std::vector<char>(bsdfs.size(), 1));
+/// Where light bounces, any surface may show the light of an unknown. reaching: reaching_pixels of
+/// the view; null: not known. bsdfs: non-zero of unknowns.
+bool can_show(const TracedScene& view, const std::vector<char>* reaching,
+              const std::vector<char>& bsdfs) {
+    if (!has_bounces(*view.scene))
+        return is_any(reaching ? *reaching : visible_pixels(view, bsdfs));
+    return shows_a_shape(view) || is_any(visible_pixels(view, std::vector<char>(bsdfs.size(), 1)));
 }
 
 std::string names_of_unknowns(const RunResult& run) {
@@ -35,13 +37,17 @@ std::string names_of_unknowns(const RunResult& run) {
 
 }  // namespace
 
-void find_unseeing_views(RunResult& run) {
+void find_unseeing_views(std::span<const std::vector<char>> reaching, RunResult& run) {
     Theta theta;
     for (const TargetTexture& t : run.textures) theta.textures.push_back({t.texture, {}});
+    std::vector<const std::vector<char>*> known;
+    std::size_t fitted = 0;
+    for (const CapturedView& source : run.sources)
+        known.push_back(source.view.held_out ? nullptr : &reaching[fitted++]);
     std::vector<char> sees(run.renderers.size());
     parallel_tasks(sees.size(), [&](std::size_t i) {
         const TracedScene& traced = run.renderers[i].data().traced;
-        sees[i] = can_show(traced, unknown_bsdfs(*traced.scene, theta));
+        sees[i] = can_show(traced, known[i], unknown_bsdfs(*traced.scene, theta));
     });
     bool is_fitted = false;
     for (std::size_t i = 0; i < sees.size(); ++i)

@@ -2,13 +2,18 @@
 // other units or axes than the scene do.
 #pragma once
 
+#include <span>
+#include <string>
+#include <vector>
+
 #include "cli/run_result.h"
 
 namespace burnish {
 
-/// The views in which no light from an unknown can reach a pixel, into run.unseeing_views. Throws
-/// InputError where all that are fitted are such.
-void find_unseeing_views(RunResult& run);
+/// The views in which no light from an unknown can reach a pixel, into run.unseeing_views.
+/// reaching: reaching_pixels of those that are fitted. Throws InputError where all of these are
+/// such.
+void find_unseeing_views(std::span<const std::vector<char>> reaching, RunResult& run);
 
 /// What is said of run.unseeing_views, a sentence; empty: there are none.
 std::string unseeing_text(const RunResult& run);
