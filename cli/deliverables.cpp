@@ -21,11 +21,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-bool reads(const Bsdf& bsdf, TextureId texture) {
-    const std::vector<TextureId> all = textures_of(bsdf);
-    return std::find(all.begin(), all.end(), texture) != all.end();
-}
-
 /// "roughness" of "mat.brdf_0.roughness.data"
 std::string property_of(const std::string& parameter) {
     const std::size_t end = parameter.rfind('.');

@@ -84,11 +84,9 @@ std::string result_text(const std::string& folder) {
     const nlohmann::json summary = summary_in(folder);
     if (summary.is_null()) return {};
     const nlohmann::json& result = summary["result"];
-    const double floor = number_in(result, "noise_floor");
-    return fmt::format("loss {:.4g} -> {:.4g}, {:.0f} iterations",
-                       number_in(result, "initial_loss"),
-                       number_in(result, "final_loss") - (std::isfinite(floor) ? floor : 0),
-                       number_in(result, "iterations"));
+    return fmt::format(
+        "loss {:.4g} -> {:.4g}, {:.0f} iterations", number_in(result, "initial_loss"),
+        number_in(result, "final_loss_without_noise"), number_in(result, "iterations"));
 }
 
 }  // namespace burnish

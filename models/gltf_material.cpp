@@ -11,7 +11,6 @@ namespace burnish {
 
 namespace {
 
-using GltfJson = nlohmann::json;
 using enum PrincipledScalar;
 
 /// What a material is made with.

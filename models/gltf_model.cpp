@@ -8,8 +8,6 @@ namespace burnish {
 
 namespace {
 
-using GltfJson = nlohmann::json;
-
 constexpr int kArrayBuffer = 34962, kElementArrayBuffer = 34963;  ///< targets of buffer views
 
 int push(GltfModel& model, const char* array, const GltfJson& value) {

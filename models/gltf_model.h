@@ -12,13 +12,15 @@
 
 namespace burnish {
 
+using GltfJson = nlohmann::json;
+
 struct GltfModel {
-    nlohmann::json json;
+    GltfJson json;
     std::string bytes;
 };
 
 /// The index of `value` in an array of the document, where it is added unless it is there already.
-int index_in(GltfModel& model, const char* array, const nlohmann::json& value);
+int index_in(GltfModel& model, const char* array, const GltfJson& value);
 
 // Accessors of new data: their indices. No array may be empty.
 int add_positions(GltfModel& model, std::span<const Vec3f> positions);

@@ -15,11 +15,9 @@ namespace burnish {
 
 namespace {
 
-using ModelJson = nlohmann::json;
-
-ModelJson primitive_of(GltfModel& model, const Mesh& mesh, const std::vector<UvTransform>& uv_sets,
-                       int material) {
-    ModelJson attributes{{"POSITION", add_positions(model, mesh.positions)}};
+GltfJson primitive_of(GltfModel& model, const Mesh& mesh, const std::vector<UvTransform>& uv_sets,
+                      int material) {
+    GltfJson attributes{{"POSITION", add_positions(model, mesh.positions)}};
     if (!mesh.normals.empty()) attributes["NORMAL"] = add_normals(model, mesh.normals);
     std::size_t set = 0;
     for (const UvTransform& to_uv : uv_sets) {
@@ -36,7 +34,7 @@ ModelJson primitive_of(GltfModel& model, const Mesh& mesh, const std::vector<UvT
             {"material", material}};
 }
 
-void add_node(GltfModel& model, const ModelJson& node) {
+void add_node(GltfModel& model, const GltfJson& node) {
     model.json["scenes"][0]["nodes"].push_back(model.json["nodes"].size());
     model.json["nodes"].push_back(node);
 }
@@ -64,7 +62,7 @@ void add_shape(GltfModel& model, const Scene& scene, Surfaces& surfaces, const S
     const int material = add_material(model, scene, surface, shape);
     model.json["meshes"].push_back(
         {{"name", shape.id},
-         {"primitives", ModelJson::array({primitive_of(model, mesh, surface.uv_sets, material)})}});
+         {"primitives", GltfJson::array({primitive_of(model, mesh, surface.uv_sets, material)})}});
     add_node(model, {{"name", shape.id}, {"mesh", model.json["meshes"].size() - 1}});
 }
 
@@ -73,7 +71,7 @@ void add_camera(GltfModel& model, const SceneSensor& sensor) {
     const double aspect = static_cast<double>(sensor.film.width) / sensor.film.height;
     const double half_x = sensor.camera.fov_x / 2 * std::numbers::pi / 180,
                  half_width = sensor.camera.orthographic_width / 2;
-    ModelJson camera{{"znear", sensor.camera.near_clip}, {"zfar", sensor.camera.far_clip}};
+    GltfJson camera{{"znear", sensor.camera.near_clip}, {"zfar", sensor.camera.far_clip}};
     if (half_width > 0)
         camera["xmag"] = half_width, camera["ymag"] = half_width / aspect;
     else
@@ -81,7 +79,7 @@ void add_camera(GltfModel& model, const SceneSensor& sensor) {
     const char* const type = half_width > 0 ? "orthographic" : "perspective";
     model.json["cameras"].push_back({{"name", sensor.id}, {"type", type}, {type, camera}});
     const Transform to_world = sensor.camera.to_world * scaling({-1, 1, -1});
-    ModelJson matrix = ModelJson::array();
+    GltfJson matrix = GltfJson::array();
     for (int column = 0; column < 4; ++column)
         for (int row = 0; row < 4; ++row) matrix.push_back(to_world(row, column));
     add_node(
@@ -95,7 +93,7 @@ std::string model_glb(const Scene& scene, const TextureTable& textures) {
     GltfModel model;
     model.json = {{"asset", {{"version", "2.0"}, {"generator", "Burnish " + version()}}},
                   {"scene", 0},
-                  {"scenes", ModelJson::array({ModelJson::object()})}};
+                  {"scenes", GltfJson::array({GltfJson::object()})}};
     Surfaces surfaces = make_surfaces(scene, textures);
     for (const Shape& shape : scene.shapes) add_shape(model, scene, surfaces, shape);
     for (const SceneSensor& sensor : scene.sensors) add_camera(model, sensor);

@@ -109,8 +109,7 @@ std::string objection(const Scene& scene, TextureId texture) {
             std::ranges::count(shares, texture, &BlendShare::weight) > 0)
             return "weighs a material inside of " + std::to_string(shares.size()) +
                    " blends: expected at most " + std::to_string(kMaxShares);
-        const auto read = textures_of(scene.bsdfs[i]);
-        if (std::find(read.begin(), read.end(), texture) == read.end()) continue;
+        if (!reads(scene.bsdfs[i], texture)) continue;
         if (delta_lobes(scene, {static_cast<std::int32_t>(i)}) != DeltaLobes::kNone)
             return "belongs to a smooth conductor, plastic or dielectric: expected a rough one";
     }

@@ -9,6 +9,7 @@
 #include "burnish/error.h"
 #include "image/whole.h"
 #include "live/sender.h"
+#include "optimize/view_loss.h"
 #include "optimize/views.h"
 
 namespace burnish {
@@ -35,13 +36,6 @@ Image shown(Image image) {
     for (int y = 0; y < copy.height; ++y)
         for (int x = 0; x < copy.width; ++x)
             for (int c = 0; c < copy.channels; ++c) copy.at(x, y, c) = image.at(k * x, k * y, c);
-    return copy;
-}
-
-/// The image [height, width, 3] as the picture beside it has it.
-Image exposed(const Image& image, const ExposureFactors& exposure) {
-    Image copy = shown(image);
-    for (std::size_t i = 0; i < copy.values.size(); ++i) copy.values[i] *= exposure[i % 3];
     return copy;
 }
 
@@ -72,7 +66,7 @@ struct Live::Impl {
         const View& view = problem.views[v];
         const std::string name = name_of(view, v), picture = name + " picture";
         if (!sender.has_shown(title + "/" + picture)) show(picture, view.image);
-        show(name, exposed(image, exposure));
+        show(name, exposed(exposure, shown(image)));
         return pixels_of(image);
     }
 };

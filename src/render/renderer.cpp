@@ -25,7 +25,7 @@ Renderer make_renderer(LoadedScene loaded, LightSelection selection) {
 
 TextureId find_texture(const Scene& scene, const std::string& parameter) {
     if (const ConstantParameter* constant = constant_of(scene, parameter))
-        throw InputError(parameter + ": " + constant->name +
+        throw InputError((parameter == constant->name ? "" : parameter + ": ") + constant->name +
                          " is a constant: expected a renderer that was loaded with it among its "
                          "constants");
     return scene.parameters[find_parameter(scene.parameters, parameter)].texture;

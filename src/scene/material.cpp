@@ -1,5 +1,7 @@
 #include "scene/material.h"
 
+#include <algorithm>
+
 #include "core/variant.h"
 
 namespace burnish {
@@ -91,6 +93,10 @@ std::vector<TextureId> textures_of(const Bsdf& bsdf) {
     for (const ColorInput& input : colors_of(bsdf)) add(input.texture);
     for (const ScalarInput& input : scalars_of(bsdf)) add(input.texture);
     return textures;
+}
+
+bool reads(const Bsdf& bsdf, TextureId texture) {
+    return std::ranges::count(textures_of(bsdf), texture) > 0;
 }
 
 }  // namespace burnish

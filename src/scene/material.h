@@ -244,6 +244,8 @@ bool is_sampled_by(const Bsdf& bsdf, int place);
 
 /// The textures that it reads, one for each input that has one.
 std::vector<TextureId> textures_of(const Bsdf& bsdf);
+/// Whether a texture is one of those.
+bool reads(const Bsdf& bsdf, TextureId texture);
 
 /// A texture that turns the shading normals of a material: Mitsuba's `normalmap` and `bumpmap`.
 struct NormalMap {
