@@ -2,7 +2,7 @@
 
 #include "burnish/error.h"
 #include "gradient/estimator.h"
-#include "optimize/setup.h"
+#include "render/renderer.h"
 
 namespace burnish {
 

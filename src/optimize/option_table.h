@@ -10,6 +10,11 @@
 
 namespace burnish {
 
+/// What a learning rate may be at most.
+inline constexpr double kMaxLearningRate = 1e6;
+/// The most that a search for the start takes, in units of that of a run of a minute.
+inline constexpr double kMaxSearchEffort = 4;
+
 template <class T>
 using OptionField = T* (*)(Options&);  ///< null where another estimator is held
 

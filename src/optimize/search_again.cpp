@@ -5,6 +5,7 @@
 
 #include "optimize/batch.h"
 #include "optimize/exposure.h"
+#include "optimize/option_table.h"
 #include "optimize/ranks.h"
 #include "optimize/search_choice.h"
 #include "optimize/start_search.h"

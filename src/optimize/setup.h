@@ -14,11 +14,6 @@
 
 namespace burnish {
 
-/// What a learning rate may be at most.
-inline constexpr double kMaxLearningRate = 1e6;
-/// The most that a search for the start takes, in units of that of a run of a minute.
-inline constexpr double kMaxSearchEffort = 4;
-
 enum class StartKind {
     kSearched,  ///< UnknownTexture::start is 0.5 until the search, or a state, has set it
     kConstant,

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/stopwatch.h"
+#include "optimize/option_table.h"
 #include "optimize/search_bounces.h"
 #include "optimize/search_choice.h"
 #include "optimize/search_exposure.h"
