@@ -7,7 +7,6 @@
 #include <filesystem>
 #include <map>
 #include <string_view>
-#include <system_error>
 #include <utility>
 
 #include "burnish/error.h"
@@ -17,6 +16,7 @@
 #include "cli/options_file.h"
 #include "cli/usage_text.h"
 #include "core/parsed.h"
+#include "image/files.h"
 
 namespace burnish {
 
@@ -114,12 +114,8 @@ BatchJob job_of(const Value& v, std::size_t number, const std::vector<Given>& sh
     return job;
 }
 
-/// Behind links, where that can be told.
 std::filesystem::path real_folder(const std::string& output) {
-    const std::filesystem::path folder = std::filesystem::absolute(output);
-    std::error_code error;
-    const std::filesystem::path real = std::filesystem::weakly_canonical(folder, error);
-    return without_slash(error ? folder.lexically_normal() : real);
+    return without_slash(real_path(output));
 }
 
 /// Numbers of jobs, from 1, by their folders.

@@ -10,6 +10,7 @@
 
 #include "burnish/checkpoint.h"
 #include "burnish/error.h"
+#include "image/files.h"
 #include "optimize/checkpoint.h"
 #include "optimize/setup.h"
 #include "python/arrays.h"
@@ -65,8 +66,7 @@ Folders& folders() {
 /// Error where another one goes on.
 class FolderClaim {
   public:
-    FolderClaim(const std::string& folder, const Flag& is_abandoned)
-        : folder_(std::filesystem::weakly_canonical(folder)) {
+    FolderClaim(const std::string& folder, const Flag& is_abandoned) : folder_(real_path(folder)) {
         constexpr auto kPatience = std::chrono::milliseconds(50);
         std::unique_lock lock(folders().mutex);
         while (!folders().writers.try_emplace(folder_, is_abandoned).second) {
@@ -139,13 +139,14 @@ PythonSummary run(const PythonProblem& problem, const std::optional<State>& stat
     const bool is_flag = PyBool_Check(progress.ptr());
     const auto tell = bar ? bar->stage() : is_flag ? nullptr : to_function(progress, "progress");
     const auto count = bar ? bar->iteration() : nullptr;
-    const std::string folder = checkpoints.is_none() ? "" : to_path(checkpoints);
-    if (state && !folder.empty())
+    std::optional<std::string> folder;
+    if (!checkpoints.is_none()) folder = to_path(checkpoints);
+    if (state && folder)
         throw InputError("solve: found a state and a folder of checkpoints, expected one of them");
     Summary summary = compute([problem = PythonProblem(problem), options, state = state, hear, tell,
                                count, folder](const Flag& is_abandoned) mutable {
         const Callback after = [&](const Iteration& i, const Solver& solver) {
-            if (!folder.empty() && is_over(is_abandoned)) return Suspend;
+            if (folder && is_over(is_abandoned)) return Suspend;
             check_abandoned(is_abandoned);
             if (count) call_callback(*count, i, solver);
             return hear ? call_callback(*hear, i, solver) : Continue;
@@ -156,10 +157,9 @@ PythonSummary run(const PythonProblem& problem, const std::optional<State>& stat
         };
         // With checkpoints the iteration is done first.
         Problem own = with_functions(
-            std::move(problem),
-            folder.empty() ? is_abandoned : std::make_shared<std::atomic<bool>>(false));
-        if (!folder.empty())
-            return solve_with_checkpoints(std::move(own), options, folder, after, stages,
+            std::move(problem), folder ? std::make_shared<std::atomic<bool>>(false) : is_abandoned);
+        if (folder)
+            return solve_with_checkpoints(std::move(own), options, *folder, after, stages,
                                           is_abandoned);
         return state ? solve(std::move(own), options, *state, after, stages)
                      : solve(std::move(own), options, after, stages);

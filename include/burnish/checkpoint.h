@@ -40,7 +40,8 @@ struct Checkpoints {
     double seconds = 60;
     std::string settings = {};      ///< of the caller's own, kept with the run
     std::vector<Input> files = {};  ///< that the caller has read, kept with the run
-    /// Hears of each one. Empty: an OutputError ends the run where one cannot be written.
+    /// Hears of each one. Empty: an OutputError ends the run where the folder cannot be made, or
+    /// one cannot be written.
     std::function<void(const CheckpointNote&)> note = {};
     /// Asked from time to time within an iteration, by any thread, and before the evaluation: where
     /// it says so the iteration ends unfinished, as if it had not begun, the run is written, and
@@ -55,7 +56,8 @@ struct Checkpoints {
 Checkpoint load_checkpoint(const std::string& folder, const Ranks& ranks = {});
 
 /// As solve() of burnish/solve.h, with checkpoints. Throws InputError, too, where their folder has
-/// no name, and OutputError where one cannot be written and nobody hears of it: Checkpoints::note.
+/// no name, and OutputError where nobody hears of it (Checkpoints::note): the folder cannot be
+/// made, before the first iteration, or a checkpoint cannot be written.
 Summary solve(Problem problem, const Options& options, const Checkpoints& checkpoints,
               const Callback& callback = {}, const StageProgress& progress = {});
 /// Goes on from a checkpoint. Stop, the iterations and the seconds of the summary count from the

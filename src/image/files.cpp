@@ -72,6 +72,14 @@ fs::file_status status_of(const fs::path& file) {
     return status;
 }
 
+fs::path real_path(const fs::path& file) {
+    std::error_code error;
+    const fs::path absolute = fs::absolute(file, error);
+    if (error) return file.lexically_normal();
+    const fs::path real = fs::weakly_canonical(absolute, error);
+    return error ? absolute.lexically_normal() : real;
+}
+
 std::string read_bytes(const fs::path& file) {
     std::string bytes = read_whole(file);
     const std::lock_guard lock(reads().mutex);

@@ -4,7 +4,6 @@
 
 #include <pugixml.hpp>
 #include <sstream>
-#include <system_error>
 
 #include "burnish/error.h"
 #include "core/variant.h"
@@ -61,11 +60,8 @@ void apply(const NewValue& change, Node& root) {
 /// Throws InputError where the file lies outside of the scene's folder: it may have become a link
 /// since the scene was read.
 std::string relative_name(const SceneSource& source, const fs::path& file) {
-    std::error_code error;
-    const fs::path real = fs::weakly_canonical(fs::absolute(file), error);
-    if (error)
-        throw InputError(fmt::format("{}: cannot be opened: {}", file.string(), error.message()));
-    const fs::path name = real.lexically_relative(source.folder);
+    status_of(file);
+    const fs::path name = real_path(file).lexically_relative(source.folder);
     if (name.empty() || *name.begin() == "..")
         throw InputError(
             fmt::format("{}: leads out of the scene's folder, expected a file inside {}",

@@ -135,7 +135,7 @@ void read_include(Parser& parser, const Node& include, Node& parent) {
 
 void read_path(Parser& parser, const Node& path) {
     const fs::path folder = resolve_file(parser.document, path.place, attribute(path, "value"));
-    if (!fs::is_directory(folder))
+    if (!fs::is_directory(status_of(folder)))
         fail(path.place,
              fmt::format("<path> names \"{}\", which is no folder", attribute(path, "value")));
     parser.document.search_folders.push_back(folder);
@@ -198,17 +198,8 @@ std::string without_byte_order_mark(std::string text) {
     return text.starts_with("\xef\xbb\xbf") ? text.substr(3) : text;
 }
 
-/// The file behind links; as it is named where that cannot be told: reading it says why.
-fs::path followed(const fs::path& file) {
-    std::error_code error;
-    const fs::path absolute = fs::absolute(file, error);
-    if (error) return file;
-    const fs::path real = fs::weakly_canonical(absolute, error);
-    return error ? file : real;
-}
-
 Node read_file(Parser& parser, const fs::path& file, const std::string& shown, const Place* from) {
-    const fs::path key = followed(file);
+    const fs::path key = real_path(file);
     if (from && std::find(parser.open_files.begin(), parser.open_files.end(), key) !=
                     parser.open_files.end())
         fail(*from, fmt::format("the include of \"{}\" is a cycle", shown));
@@ -298,7 +289,7 @@ const Node& target_of(const Document& document, const Node& node) {
 Document parse_document(const fs::path& file, const std::map<std::string, std::string>& given) {
     Parser parser;
     parser.definitions = command_line_definitions(given);
-    parser.document.top_folder = followed(file).parent_path();
+    parser.document.top_folder = real_path(file).parent_path();
     parser.document.root = read_file(parser, file, file.string(), nullptr);
     check_given(parser.definitions, file.string());
     Document document = std::move(parser.document);
@@ -327,11 +318,10 @@ fs::path resolve_file(const Document& document, const Place& place, const std::s
     bool any_inside = false;
     for (const fs::path& folder : folders) {
         const fs::path candidate = folder / name;
-        std::error_code error;
-        const fs::path real = fs::weakly_canonical(fs::absolute(candidate), error);
-        if (error || !is_inside(real, document.top_folder)) continue;  // follows links and ..
+        if (!is_inside(real_path(candidate), document.top_folder)) continue;
         any_inside = true;
-        if (fs::exists(real, error)) return candidate;
+        std::error_code ignored;
+        if (fs::exists(candidate, ignored)) return candidate;
     }
     if (!any_inside)
         fail(place,

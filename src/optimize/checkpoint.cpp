@@ -219,10 +219,28 @@ double expected_writing_seconds(const State::Values& state) {
     return static_cast<double>(bytes) / kSlowDisk;
 }
 
+namespace {
+
+/// By the first process; where it cannot, all fail.
+void make_folder_for_all(const std::string& folder, const Ranks& ranks) {
+    std::string error;
+    try {
+        if (is_first(ranks)) make_folder(folder);
+    } catch (const OutputError& e) {
+        error = e.what();
+    }
+    if (ranks.count > 1) error = from_first(ranks, error);
+    if (!error.empty()) throw OutputError(error);
+}
+
+}  // namespace
+
 CheckpointWriter::CheckpointWriter(const Checkpoints& options, std::vector<Input> problem,
                                    const Ranks& ranks, std::uint32_t first)
     : options_(options), problem_(std::move(problem)), ranks_(ranks) {
     require(!options_.folder.empty(), "the folder of the checkpoints has no name: expected one");
+    if (!agree(ranks_, static_cast<bool>(options_.note)))
+        make_folder_for_all(options_.folder, ranks_);
     if (!is_first(ranks_)) return;
     for (const fs::path& file : checkpoints_in(options_.folder))
         if (file.filename() > file_name(first)) stale_.push_back(file);

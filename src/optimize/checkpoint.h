@@ -26,7 +26,7 @@ class CheckpointWriter {
   public:
     /// first: the iteration that the run begins with. Files that a writer which was killed has left
     /// in the folder go. Of several processes the first one writes. Throws InputError: a folder
-    /// without a name.
+    /// without a name; OutputError: one that cannot be made, where nobody hears of it.
     CheckpointWriter(const Checkpoints& options, std::vector<Input> problem, const Ranks& ranks,
                      std::uint32_t first);
 

@@ -69,6 +69,17 @@ TEST_F(ImageFiles, NothingIsWrittenThroughALinkOfATemporaryName) {
     EXPECT_TRUE(fs::is_regular_file(fs::symlink_status(folder / "a")));
 }
 
+TEST_F(ImageFiles, RealPathsFollowLinksAndNeverThrow) {
+    const fs::path own = fs::canonical(folder);
+    fs::create_directory(own / "real");
+    fs::create_directory_symlink("real", own / "link");
+    fs::create_symlink("loop", own / "loop");
+    EXPECT_EQ(real_path(own / "link/../link/a"), own / "real/a");
+    EXPECT_EQ(real_path(own / "loop/./a"), own / "loop/a");
+    EXPECT_EQ(real_path(own / std::string(300, 'a')), own / std::string(300, 'a'));
+    EXPECT_EQ(real_path(""), "");
+}
+
 TEST_F(ImageFiles, OwnPngHoldsCodes) {
     for (const int channels : {1, 3})
         for (const bool srgb : {false, true}) {

@@ -391,6 +391,20 @@ TEST(BadSceneFiles, LinksOutOfTheFolderAreRefused) {
         << error_of(scene);
 }
 
+TEST(BadSceneFiles, NamesThatLeadNowhereAreNotOutsideOfTheFolder) {
+    const TemporaryFolder folder;
+    std::filesystem::create_symlink("loop.ply", folder.path / "loop.ply");
+    for (const std::string& name : {std::string("loop.ply"), std::string(300, 'a')}) {
+        const auto scene =
+            write_text(folder, "scene.xml",
+                       "<scene version='3.0.0'><shape type='ply'><string name='filename' value='" +
+                           name + "'/></shape></scene>");
+        EXPECT_NE(error_of(scene).find("the file \"" + name + "\" does not exist"),
+                  std::string::npos)
+            << error_of(scene);
+    }
+}
+
 TEST(BadSceneFiles, DeepNestingIsRefused) {
     const TemporaryFolder folder;
     std::string deep;

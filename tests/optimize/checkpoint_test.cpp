@@ -449,7 +449,7 @@ TEST_F(CheckpointTest, TheFirstOneWaitsWhereWritingItTakesLong) {
     CheckpointWriter writer(checkpoints, {}, alone, 0);
     std::this_thread::sleep_for(std::chrono::milliseconds(10));
     writer.offer({}, large, false);
-    EXPECT_FALSE(fs::exists(checkpoints.folder));
+    EXPECT_TRUE(files().empty());
     writer.offer({}, small, false);
     EXPECT_EQ(files().size(), 1u);
 }
@@ -459,7 +459,20 @@ TEST_F(CheckpointTest, OnesThatCannotBeWrittenAreHeardOf) {
     Options options;
     options.stop.iterations = 2, options.evaluation_samples = 2;
     std::ofstream(checkpoints.folder) << "in the way";
-    EXPECT_THROW(solve(test::state_problem(), options, checkpoints), OutputError);
+    const auto expect_refused = [&](const Ranks& ranks) {
+        const Problem own = test::of_rank(test::state_problem(), ranks);
+        const auto fail = [](const Iteration&) {
+            ADD_FAILURE() << "it runs";
+            return Cancel;
+        };
+        try {
+            solve(own, options, checkpoints, fail);
+            ADD_FAILURE() << "it is not refused";
+        } catch (const OutputError& e) {
+            EXPECT_NE(std::string(e.what()).find("the folder cannot be made"), std::string::npos);
+        }
+    };
+    for (const int count : {1, 2}) test::on_ranks(count, expect_refused);
     std::string error;
     checkpoints.note = [&](const CheckpointNote& note) { error = note.error; };
     EXPECT_EQ(solve(test::state_problem(), options, checkpoints).iterations.size(), 2u);

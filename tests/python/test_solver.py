@@ -231,6 +231,15 @@ def test_outputs_that_cannot_be_written(problem, tmp_path):
         assert isinstance(caught.value, OSError) and isinstance(caught.value, burnish.Error)
 
 
+def test_a_folder_of_checkpoints_that_cannot_be_made_is_said_before_the_run(problem, tmp_path):
+    (tmp_path / "loop").symlink_to("loop")
+    for folder in (tmp_path / "loop", tmp_path / ("a" * 300), tmp_path / "loop" / "within"):
+        with pytest.raises(burnish.OutputError, match="the folder cannot be made"):
+            burnish.solve(problem, checkpoints=folder, iterations=1, callback=lambda i: pytest.fail("it runs"))
+    with pytest.raises(burnish.InputError, match="the folder of the checkpoints has no name"):
+        burnish.solve(problem, checkpoints="", iterations=1, callback=lambda i: pytest.fail("it runs"))
+
+
 def test_what_is_no_file_is_not_replaced(problem, renderer, tmp_path):
     """As a device would be, by whoever may write into its folder."""
     state = burnish.Solver(problem, pyramid_levels=1).state
