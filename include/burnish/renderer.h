@@ -42,7 +42,9 @@ struct ParameterInfo {
 };
 
 /// Textures in the place of the scene's, by the name of their parameter (Mitsuba's or a short
-/// form); of the bitmap's size, [height, width, 1 or 3], linear.
+/// form); of the bitmap's size, [height, width, 1 or 3], linear. Any finite texels are rendered, so
+/// that finite differences need no margin: beyond [0, 1], or what the parameter may be in a scene,
+/// the picture means nothing physically.
 using TextureValues = std::map<std::string, Image>;
 
 /// Called from time to time with the share of the work that is done, in [0, 1]; one call at a time,

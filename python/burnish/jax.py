@@ -16,7 +16,7 @@ import numpy.typing as npt
 from jax.custom_derivatives import SymbolicZero
 
 from ._core import InputError, Renderer
-from ._texels import full_shape, whole_number
+from ._checks import full_shape, whole_number
 
 __all__ = ["render"]
 

@@ -14,8 +14,8 @@ import numpy.typing as npt
 import torch
 from torch.autograd.function import once_differentiable
 
+from ._checks import full_shape, whole_number
 from ._core import Renderer
-from ._texels import full_shape
 
 __all__ = ["render"]
 
@@ -80,8 +80,9 @@ def render(
     for name, texture in textures.items():
         if not isinstance(texture, torch.Tensor):
             raise TypeError(f"{name}: expected a tensor, found {type(texture).__name__}")
-    own = spp if gradient_spp is None else gradient_spp
+    samples, number = whole_number("spp", spp, 1), whole_number("seed", seed, 0)
+    own = samples if gradient_spp is None else whole_number("gradient_spp", gradient_spp, 1)
     full = [_full(renderer, name, texture) for name, texture in textures.items()]
-    picture = _Render.apply(renderer, tuple(textures), spp, own, seed, *full)
+    picture = _Render.apply(renderer, tuple(textures), samples, own, number, *full)
     assert isinstance(picture, torch.Tensor)
     return picture

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 import burnish
-from burnish._texels import full_shape
+from burnish._checks import full_shape
 
 from conftest import NAME
 

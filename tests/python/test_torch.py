@@ -140,8 +140,11 @@ def test_what_does_not_fit_is_said(renderer, torch):
     import burnish.torch
 
     texels = torch.full((32, 32, 1), 0.4, requires_grad=True)
-    with pytest.raises(burnish.InputError, match="spp: expected a whole number from 1"):
-        burnish.torch.render(renderer, {NAME: texels}, spp=1, gradient_spp=0).sum().backward()
+    for options, name in [({"spp": 0}, "spp"), ({"spp": 1, "gradient_spp": 0}, "gradient_spp"), ({"spp": 1, "seed": -1}, "seed")]:
+        with pytest.raises(burnish.InputError, match=f"^{name}: expected a whole number from [01] to "):
+            burnish.torch.render(renderer, {NAME: texels}, **options)
+    with pytest.raises(TypeError, match="^gradient_spp: expected a whole number from 1 "):
+        burnish.torch.render(renderer, {NAME: texels}, spp=1, gradient_spp=1.5)
     with pytest.raises(TypeError, match=f"{NAME}: expected a tensor, found float"):
         burnish.torch.render(renderer, {NAME: 0.4}, spp=1)
     whole = {NAME: torch.ones(32, 32, dtype=torch.int32), "mat-goblet.base_color": torch.full((32, 32, 3), 0.4, dtype=torch.float64)}

@@ -1,4 +1,4 @@
-"""What is checked before the renderer is called: shapes, for PyTorch and JAX; whole numbers, for JAX."""
+"""What is checked before the renderer is called: shapes and whole numbers, for PyTorch and JAX."""
 from __future__ import annotations
 
 import operator
