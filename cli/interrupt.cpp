@@ -34,9 +34,11 @@ sigset_t watched_signals() {
     sigemptyset(&set);
     sigaddset(&set, SIGINT);
     sigaddset(&set, SIGTERM);
-    struct sigaction action {};
-    if (sigaction(SIGHUP, nullptr, &action) == 0 && action.sa_handler != SIG_IGN)
-        sigaddset(&set, SIGHUP);
+    for (const int signal : {SIGHUP, SIGXCPU}) {
+        struct sigaction action {};
+        if (sigaction(signal, nullptr, &action) == 0 && action.sa_handler != SIG_IGN)
+            sigaddset(&set, signal);
+    }
     return set;
 }
 
@@ -75,7 +77,8 @@ void wait_for_signals() {
         if (is_repetition(w, signal)) continue;
         const bool ends_now = w.on_disk == OnDisk::kAll && signal != SIGINT;
         const bool may_wait = w.on_disk == OnDisk::kResults || (w.guards > 0 && !ends_now);
-        if (may_wait && w.came == 0) {
+        // The kernel repeats SIGXCPU each second: none of them is impatient.
+        if (may_wait && (w.came == 0 || signal == SIGXCPU)) {
             w.came = signal, w.came_at = std::chrono::steady_clock::now();
             continue;
         }
@@ -122,7 +125,8 @@ bool interrupted() {
 
 bool interrupted_by_system() {
     const std::lock_guard lock(watch().mutex);
-    return watch().came == SIGTERM || watch().came == SIGHUP;
+    const int came = watch().came;
+    return came == SIGTERM || came == SIGHUP || came == SIGXCPU;
 }
 
 void end_interrupted() {

@@ -1,6 +1,6 @@
 // Ctrl-C and kill. A signal ends the program, once what is unfinished has been removed; while an
-// InterruptGuard lives, the first one only asks to end after the current iteration. SIGTERM and
-// SIGHUP come from the system, which does not wait for long.
+// InterruptGuard lives, the first one only asks to end after the current iteration. SIGTERM,
+// SIGHUP and SIGXCPU come from the system, which does not wait for long.
 #pragma once
 
 #include <functional>
@@ -10,10 +10,11 @@
 
 namespace burnish {
 
-/// Begins to watch for SIGINT, SIGTERM and SIGHUP (unless it is ignored, as by nohup), in a thread
-/// of its own. Call it before there are other threads: they inherit that the signals are blocked. A
-/// reader of our output that leaves does not end the program, nor does a file that has become too
-/// large: SIGPIPE and SIGXFSZ are ignored. Throws std::system_error where the system has no thread.
+/// Begins to watch for SIGINT, SIGTERM, and, unless they are ignored, as by nohup, SIGHUP and
+/// SIGXCPU (a limit of processor time is reached), in a thread of its own. Call it before there are
+/// other threads: they inherit that the signals are blocked. A reader of our output that leaves
+/// does not end the program, nor does a file that has become too large: SIGPIPE and SIGXFSZ are
+/// ignored. Throws std::system_error where the system has no thread.
 void watch_signals();
 
 /// What is done once: when it is destroyed, or before a signal ends the program. While it is done
@@ -34,7 +35,8 @@ class CleanUp {
 };
 
 /// While it lives, the first signal sets a flag; a second one ends the program. The same one within
-/// 200 ms counts as one: `timeout` sends it twice.
+/// 200 ms counts as one: `timeout` sends it twice. SIGXCPU, which the kernel sends each second once
+/// the limit is reached, is no second one.
 class InterruptGuard {
   public:
     InterruptGuard();
@@ -45,7 +47,7 @@ class InterruptGuard {
 
 /// True once a signal came while a guard lived.
 bool interrupted();
-/// The same of SIGTERM and SIGHUP: what is left to do must wait for another time.
+/// The same of SIGTERM, SIGHUP and SIGXCPU: what is left to do must wait for another time.
 bool interrupted_by_system();
 
 /// Ends the program as the signal that came would have without a guard.
@@ -55,7 +57,7 @@ bool interrupted_by_system();
 enum class OnDisk {
     kNothing,  ///< a signal ends the program as if nobody had caught it
     kPart,     ///< the run can go on: a signal ends the program with kInterrupted
-    kAll,      ///< so it can, and SIGTERM and SIGHUP do so although a guard lives
+    kAll,      ///< so it can, and the signals of the system do so although a guard lives
     kResults,  ///< nothing is left to do: the first signal only tells that it came
 };
 /// hint: what is said when a signal ends the program.

@@ -1,4 +1,5 @@
-// SIGINT, SIGTERM and SIGHUP in every phase of a run: no lock and no unfinished file stays behind.
+// SIGINT, SIGTERM, SIGHUP and SIGXCPU in every phase of a run: no lock and no unfinished file stays
+// behind.
 #include <sys/wait.h>
 
 #include <chrono>
@@ -9,6 +10,7 @@
 #include <sstream>
 #include <thread>
 
+#include "cli/interrupt.h"
 #include "cli/program.h"
 
 namespace burnish {
@@ -267,6 +269,34 @@ TEST_F(Signals, TheSystemEndsAnIterationInItsMidst) {
         EXPECT_TRUE(fs::exists(folder / "out/checkpoints/0000000000.burnish"));
         fs::remove_all(folder / "out");
     }
+}
+
+/// The soft limit of processor time: by then the iterations have begun, and none has been written.
+TEST_F(Signals, TheLimitOfProcessorTimeKeepsTheRun) {
+    write_scene();
+    const Outcome outcome = shell("(ulimit -S -t 3 && exec '" BURNISH_BINARY
+                                  "' optimize scene.xml --parameter base_color --init 0.5 "
+                                  "--estimator mc --target-spp 8 --evaluation-spp 2 --spp 1048576 "
+                                  "--iterations 1 -o out)");
+    EXPECT_EQ(outcome.code, 75) << outcome.err;
+    EXPECT_TRUE(contains(outcome.err, "--resume out")) << outcome.err;
+    EXPECT_TRUE(fs::exists(folder / "out/checkpoints/0000000000.burnish"));
+}
+
+/// As SIGXCPU each second until the program has ended.
+TEST_F(Signals, OneThatTheKernelRepeatsIsNotImpatient) {
+    const pid_t pid = fork();
+    if (pid == 0) {
+        watch_signals();
+        const InterruptGuard guard;
+        for (const int signal : {SIGINT, SIGXCPU, SIGXCPU}) {
+            kill(getpid(), signal);
+            for (int i = 0; i < 15; ++i) pause();
+        }
+        _exit(interrupted_by_system() ? 0 : 1);
+    }
+    const int status = end_of(pid);
+    EXPECT_TRUE(WIFEXITED(status) && WEXITSTATUS(status) == 0) << status;
 }
 
 /// The files that a reproduction keeps under a name.
