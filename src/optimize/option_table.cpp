@@ -18,8 +18,7 @@ constexpr Range kDecay{0, 0.999999};
 
 // One sentence each for what several estimators have.
 constexpr const char* kSpp =
-    "Fresh samples per pixel of the image in an iteration; where older ones are kept, too, at most "
-    "twice the window";
+    "Fresh samples per pixel of the image in an iteration, at most twice a window that is kept";
 constexpr const char* kImageWindow =
     "The most passes of the image that each of two halves keeps and shades again; 0: fresh samples "
     "alone";
@@ -263,8 +262,7 @@ constexpr OptionRow kTable[] = {
       .flag = "--evaluation-spp",
       .sentence =
           "Samples per pixel that evaluate the result, in two halves: an odd number loses one, 1 "
-          "counts as 2; auto: a fifth as many as iterations visited each pixel, or 4 million in "
-          "all where that is more, at most 256",
+          "counts as 2; auto: a fifth of a pixel's visits, at least 4 million in all, at most 256",
       .range = {1, kMaxSamplesPerPixel, true},
       .unset = "auto"},
      of_options<&Options::evaluation_samples>()},
