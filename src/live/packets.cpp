@@ -11,28 +11,28 @@ static_assert(std::endian::native == std::endian::little, "the packets' numbers 
 
 enum class Kind : char { kClose = 2, kCreate = 4, kUpdate = 6, kOpen = 7 };
 
-class Packet {
+class PacketWriter {
   public:
-    explicit Packet(Kind kind) {
+    explicit PacketWriter(Kind kind) {
         add(std::uint32_t{0});  // the length
         bytes_ += static_cast<char>(kind);
     }
     template <class Number>
-    Packet& add(Number number) {
+    PacketWriter& add(Number number) {
         bytes_.append(reinterpret_cast<const char*>(&number), sizeof number);
         return *this;
     }
-    Packet& add(bool flag) {
+    PacketWriter& add(bool flag) {
         bytes_ += flag ? '\1' : '\0';
         return *this;
     }
     /// Up to a zero.
-    Packet& add(const std::string& text) {
+    PacketWriter& add(const std::string& text) {
         bytes_.append(text.c_str());
         bytes_ += '\0';
         return *this;
     }
-    Packet& add(const float* values, std::size_t count) {
+    PacketWriter& add(const float* values, std::size_t count) {
         bytes_.append(reinterpret_cast<const char*>(values), count * sizeof *values);
         return *this;
     }
@@ -47,7 +47,7 @@ class Packet {
 };
 
 /// The number of channels, and a name for each.
-void add_channels(const Image& image, Packet& packet) {
+void add_channels(const Image& image, PacketWriter& packet) {
     packet.add(std::int32_t{image.channels});
     const char* names = image.channels < 3 ? "LA" : "RGBA";
     for (int c = 0; c < image.channels; ++c) packet.add(std::string(1, names[c]));
@@ -57,18 +57,18 @@ void add_channels(const Image& image, Packet& packet) {
 
 std::string open_packet(const std::string& path) {
     const std::string all_channels;
-    return Packet(Kind::kOpen).add(true).add(path).add(all_channels).finish();
+    return PacketWriter(Kind::kOpen).add(true).add(path).add(all_channels).finish();
 }
 
 std::string create_packet(const std::string& name, const Image& image, bool to_front) {
-    Packet packet(Kind::kCreate);
+    PacketWriter packet(Kind::kCreate);
     packet.add(to_front).add(name).add(std::int32_t{image.width}).add(std::int32_t{image.height});
     add_channels(image, packet);
     return packet.finish();
 }
 
 std::string update_packet(const std::string& name, const Image& image, int first, int count) {
-    Packet packet(Kind::kUpdate);
+    PacketWriter packet(Kind::kUpdate);
     packet.add(false).add(name);
     add_channels(image, packet);
     for (const int number : {0, first, image.width, count}) packet.add(std::int32_t{number});
@@ -80,7 +80,7 @@ std::string update_packet(const std::string& name, const Image& image, int first
 }
 
 std::string close_packet(const std::string& name) {
-    return Packet(Kind::kClose).add(name).finish();
+    return PacketWriter(Kind::kClose).add(name).finish();
 }
 
 }  // namespace burnish

@@ -320,8 +320,9 @@ fs::path resolve_file(const Document& document, const Place& place, const std::s
         const fs::path candidate = folder / name;
         if (!is_inside(real_path(candidate), document.top_folder)) continue;
         any_inside = true;
-        std::error_code ignored;
-        if (fs::exists(candidate, ignored)) return candidate;
+        std::error_code error;
+        const fs::path real = fs::canonical(candidate, error);  // what is there
+        if (!error && is_inside(real, document.top_folder)) return candidate;
     }
     if (!any_inside)
         fail(place,
