@@ -5,9 +5,10 @@
 #include <cctype>
 #include <charconv>
 #include <cmath>
-#include <locale>
-#include <sstream>
+#include <string_view>
 #include <type_traits>
+
+#include "core/parsed.h"
 
 namespace burnish {
 
@@ -157,12 +158,10 @@ void read_number(const std::string& text, double number, T& value) {
 const char* name_of(const Estimator& estimator) { return choice_name(estimator); }
 
 std::optional<double> parse_number(const std::string& text) {
-    std::istringstream stream(text);
-    stream.imbue(std::locale::classic());
-    double number = 0;
-    stream >> std::noskipws >> number;
-    if (text.empty() || stream.fail() || !stream.eof() || !std::isfinite(number)) return {};
-    return number;
+    std::string_view word = text;
+    if (word.starts_with('+') && !word.starts_with("+-")) word.remove_prefix(1);
+    const std::optional<double> number = parsed<double>(word);
+    return number && std::isfinite(*number) ? number : std::nullopt;
 }
 
 std::string range_complaint(const Range& range, const std::string& text) {
@@ -174,7 +173,10 @@ std::string range_complaint(const Range& range, const std::string& text) {
 template <class T>
 std::string to_text(const OptionInfo& info, const T& value) {
     if constexpr (OptionalOf<T>::holds) {
-        return value ? to_text(info, *value) : info.unset;
+        if (!value) return info.unset;
+        OptionInfo of_value = info;
+        of_value.unset = "";  // a value of its own, also where it is unset_value
+        return to_text(of_value, *value);
     } else if constexpr (is_string<T>) {
         return value.empty() ? info.unset : value;
     } else if constexpr (is_arithmetic_value<T>) {

@@ -201,7 +201,7 @@ TEST_F(Allocations, OfIterationsLoseNothing) {
         } catch (const ResourceError&) {
         }
         fail_at(0);
-        if (!std::filesystem::exists(folder / "c")) {
+        if (!std::filesystem::exists(folder / "c") || std::filesystem::is_empty(folder / "c")) {
             EXPECT_LT(failed_bytes, 512u) << "allocation " << n;  // in the midst of the step
             continue;
         }
