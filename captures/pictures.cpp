@@ -60,14 +60,14 @@ MaskFile weights_of_file(ImageFile read) {
     return mask;
 }
 
-/// Of weights that are finite.
-void look_at_channels(MaskFile& mask) {
+/// Finds the source and the largest weight, of weights that are finite.
+void describe_channels(MaskFile& mask) {
     const auto channels = static_cast<std::ptrdiff_t>(mask.weights.channels);
     const std::vector<float>& weights = mask.weights.values;
     for (auto pixel = weights.begin(); pixel != weights.end(); pixel += channels) {
-        const auto [least, largest] = std::minmax_element(pixel, pixel + channels);
-        if (*least < *largest) mask.source = MaskSource::kColors;
-        mask.most = std::max(mask.most, *least);
+        const auto [min, max] = std::minmax_element(pixel, pixel + channels);
+        if (*min < *max) mask.source = MaskSource::kColors;
+        mask.max_weight = std::max(mask.max_weight, *min);
     }
 }
 
@@ -98,7 +98,7 @@ MaskFile read_mask(const std::filesystem::path& file, Turning turning) {
             fmt::format("{} holds no code above 1, a weight of {:.2g}: expected weights from 0 to "
                         "1, whose code is {}",
                         named, one_code, std::lround(1 / one_code)));
-    look_at_channels(mask);
+    describe_channels(mask);
     return mask;
 }
 

@@ -28,7 +28,7 @@ enum class MaskSource { kAlpha, kGray, kColors };
 struct MaskFile {
     Image weights = {};  ///< [height, width, 1 or 3]; width 0: there is no file
     MaskSource source = MaskSource::kGray;
-    float most = 0;  ///< largest weight that a pixel has in all of its channels
+    float max_weight = 0;  ///< the largest that a pixel has in all of its channels
 };
 
 /// Weights of pixels. Integer files mean their codes, 0 to 1, without decoding, turned as asked

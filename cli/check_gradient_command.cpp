@@ -71,15 +71,15 @@ void run(const CheckGradientCommandOptions& options) {
     const Renderer renderer = make_renderer_with_progress(
         std::move(loaded), options.scene.light_selection, options.scene.sensor);
     const Scene& scene = renderer.data().scene();
-    Theta theta;
     std::vector<std::string> names;
     std::vector<TextureId> textures;
     for (const std::size_t i : parameters) {
-        const Parameter& p = scene.parameters[i];
-        add_unknown(scene, p.name, p.texture, theta);
-        names.push_back(p.name), textures.push_back(p.texture);
+        names.push_back(scene.parameters[i].name);
+        textures.push_back(scene.parameters[i].texture);
     }
     require_distinct(options.parameters, textures);
+    Theta theta;
+    for (std::size_t i = 0; i < names.size(); ++i) add_unknown(scene, names[i], textures[i], theta);
     std::vector<GradientCheck> checks;
     {
         ProgressLine line("comparing");

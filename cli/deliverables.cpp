@@ -88,8 +88,8 @@ void write_recovered_scene(const LoadedScene& loaded, const RunResult& run,
     }
     write_scene(source, values, folder);
     const fs::path license = source.folder / "LICENSE";
-    if (fs::is_regular_file(status_of(license)))
-        write_bytes(folder / "LICENSE", read_bytes(license));
+    std::error_code ignored;
+    if (fs::is_regular_file(license, ignored)) write_bytes(folder / "LICENSE", read_bytes(license));
 }
 
 /// The recovered textures in the place of the scene's.

@@ -52,15 +52,17 @@ MemoryEstimate plan_cache(const RunViews& views, std::span<const PathCachePlan> 
                           const Theta& theta, double limit, bool goes_on, Options& options) {
     auto& cache = std::get<PathCache>(options.estimator);
     const std::size_t asked = std::exchange(cache.max_bytes, 0);
-    const double others =
-        without_records(estimate_memory(cache, views, {}, theta, options.seed, options.batch)) +
-        fresh_bytes(cache, plans, options.batch);
+    const double fixed =
+        without_records(estimate_memory(cache, views, {}, theta, options.seed, options.batch));
+    const double fresh = fresh_bytes(cache, plans, options.batch);
+    // No more is traced than is kept: half of what is left is enough.
+    const double others = fixed + std::min(fresh, std::max(limit - fixed, 0.0) / 2);
     const double least = 2.0 * static_cast<double>(max_bytes_per_pass(plans));
     const double left = limit - others;
     const std::size_t all = bytes_of_windows(cache, plans);
     const std::size_t wanted = asked > 0 ? std::min(asked, all) : all;
     const bool are_fewer = asked > 0 && left < static_cast<double>(wanted);
-    const std::string enough = limit_text(others + static_cast<double>(wanted));
+    const std::string enough = limit_text(fixed + fresh + static_cast<double>(wanted));
     if (are_fewer && goes_on)
         throw ResourceError(fmt::format(
             "the run keeps up to {} of records, the limit of the memory, {}, leaves {} for them: "
@@ -69,8 +71,8 @@ MemoryEstimate plan_cache(const RunViews& views, std::span<const PathCachePlan> 
             bytes_text(std::max(left, 0.0)), enough));
     if (left < std::max(least, 1.0))
         throw ResourceError(fmt::format(
-            "the scene, its images and textures take about {}, one pass in each half of the path "
-            "cache up to {}: expected --max-memory above both together, found {}",
+            "the scene, its images, textures and fresh samples take about {}, one pass in each "
+            "half of the path cache up to {}: expected --max-memory above both together, found {}",
             bytes_text(others), bytes_text(least), bytes_text(limit)));
     if (are_fewer)
         log_warning(

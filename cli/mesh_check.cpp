@@ -51,8 +51,8 @@ struct Span {
     double low, high;
 };
 
-/// Where a row of the plane that meets a triangle lies within, but for rounding; low above high:
-/// nowhere.
+/// Where a row strictly between a triangle's lowest and highest corner lies within it, but for
+/// rounding; low above high: nowhere.
 Span span_of(const UvTriangle& t, double y) {
     Span span{-INFINITY, INFINITY};
     for (std::size_t i = 0; i < 3; ++i) {
@@ -170,7 +170,8 @@ void add_covers(const Mesh& mesh, const UvTransform& to_uv, UvCovers& covers) {
                 covers.count.data() +
                 static_cast<std::size_t>(width) * static_cast<std::size_t>(wrapped(y, height));
             for (int x = first, column = wrapped(first, width); x <= last; ++x) {
-                const bool inside = x > span.low + 1 && x + 1 < span.high - 1;
+                const bool inside = y0 < y + 0.5 && y + 0.5 < y1 &&  // an edge there has one owner
+                                    x > span.low + 1 && x + 1 < span.high - 1;
                 if ((inside || contains(t, {x + 0.5, y + 0.5})) && row[column] < 2) ++row[column];
                 if (++column == width) column = 0;
             }

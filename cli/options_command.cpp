@@ -6,7 +6,7 @@
 
 #include "cli/commands.h"
 #include "cli/help.h"
-#include "cli/optimize_options.h"
+#include "cli/settings.h"
 
 namespace burnish {
 

@@ -74,7 +74,7 @@ std::vector<TargetTexture> make_target_textures(const Settings& settings, bool r
         TargetTexture t = make_target_texture(settings.run, i, rendered, scene);
         for (const TargetTexture& other : textures)
             if (other.file == t.file) t.file += fmt::format("_{}", i);
-        names.push_back(t.name), ids.push_back(t.texture);
+        names.push_back(settings.run.parameters[i]), ids.push_back(t.texture);
         textures.push_back(std::move(t));
     }
     require_distinct(names, ids);

@@ -199,11 +199,11 @@ namespace {
 /// Empty: nothing looks wrong.
 std::string warning_of(const MaskFile& mask) {
     constexpr float kWhite = 0.98f;  // 1, but for what compression does to it
-    if (mask.source != MaskSource::kColors || mask.most >= kWhite) return {};
+    if (mask.source != MaskSource::kColors || mask.max_weight >= kWhite) return {};
     return fmt::format(
         "its weights are colours, at most {:.2g} in all three channels of a pixel: expected white "
         "where the picture counts",
-        mask.most);
+        mask.max_weight);
 }
 
 }  // namespace

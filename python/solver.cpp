@@ -21,7 +21,7 @@ struct Run {
     explicit Run(Solver s) : solver(std::move(s)) {}
     Solver solver;
     std::optional<Iteration> made;  ///< by a step, until it is handed over
-    bool has_ended = false;         ///< a step has failed in a way from which none goes on
+    bool has_ended = false;         ///< a step has failed, and none can follow
 };
 
 struct PythonSolver {
@@ -49,8 +49,9 @@ PythonSolver make_solver(const PythonProblem& problem, const std::optional<State
     return made;
 }
 
-/// What fails before the optimiser's step leaves the solver as it was. An exchange may fail within
-/// it, too.
+/// What fails before the optimiser's step leaves the solver as it was, and so does a loss that
+/// raises in a check after it. ResourceError: the step is half done. Of several processes the
+/// others may have gone on: any failure ends the solver.
 void step(Run& run) {
     if (run.has_ended)
         throw Error(

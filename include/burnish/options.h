@@ -27,8 +27,8 @@ struct MonteCarlo {
     /// every pixel.
     bool adaptive_sampling = true;
     /// K: the image is that of the last passes, K at most in each of two halves, whose records are
-    /// shaded again in each iteration; 0: of image_samples fresh samples alone. The derivative's
-    /// samples stay independent of them.
+    /// shaded again in each iteration, 2 K fresh ones at most; 0: of image_samples fresh ones
+    /// alone. The derivative's samples stay independent of them.
     std::uint32_t image_window = 0;
 
     friend bool operator==(const MonteCarlo&, const MonteCarlo&) = default;

@@ -15,8 +15,8 @@ import numpy as np
 import numpy.typing as npt
 from jax.custom_derivatives import SymbolicZero
 
-from ._core import InputError, Renderer
 from ._checks import full_shape, whole_number
+from ._core import InputError, Renderer
 
 __all__ = ["render"]
 

@@ -37,13 +37,9 @@ ImageEstimate render_fresh(std::uint32_t samples, const Binding& binding, Iterat
 /// samples that were not finite.
 std::size_t move_window(const PathCache& o, const PathCacheInput& input, PathCacheState& state,
                         EstimatorWorkspace& all) {
-    const PathCacheMark before = mark(state);
     const std::size_t rejected =
         trace_passes(input, fresh_passes(o.samples, all.cache.window), all.cache, state);
-    const std::array<std::size_t, 2> was{all.dropped[0].size(), all.dropped[1].size()};
-    keep_window(all.cache.window, state, all.dropped);
-    for (std::size_t h = 0; h < 2; ++h)  // fresh ones are never asked for again
-        all.dropped[h].resize(std::min(all.dropped[h].size(), was[h] + before.passes[h]));
+    keep_window(all.cache.window, state, all.dropped);  // no fresh one
     return rejected;
 }
 

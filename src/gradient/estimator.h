@@ -123,7 +123,7 @@ bool has_own_derivatives(const Estimator& estimator);
 /// Whether its gradients come in halves.
 inline bool has_split_gradient(const Estimator& e) { return std::holds_alternative<PathCache>(e); }
 
-/// Samples per pixel of the image in an iteration.
+/// Samples per pixel of the image in an iteration; a path cache traces fresh_passes of them.
 std::uint32_t image_samples(const Estimator& estimator);
 
 }  // namespace burnish

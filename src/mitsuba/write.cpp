@@ -60,7 +60,7 @@ void apply(const NewValue& change, Node& root) {
 /// Throws InputError where the file lies outside of the scene's folder: it may have become a link
 /// since the scene was read.
 std::string relative_name(const SceneSource& source, const fs::path& file) {
-    status_of(file);
+    status_of(file);  // says why it cannot be opened
     const fs::path name = real_path(file).lexically_relative(source.folder);
     if (name.empty() || *name.begin() == "..")
         throw InputError(

@@ -321,7 +321,7 @@ fs::path resolve_file(const Document& document, const Place& place, const std::s
         if (!is_inside(real_path(candidate), document.top_folder)) continue;
         any_inside = true;
         std::error_code error;
-        const fs::path real = fs::canonical(candidate, error);  // what is there
+        const fs::path real = fs::canonical(candidate, error);  // none of a loop of links
         if (!error && is_inside(real, document.top_folder)) return candidate;
     }
     if (!any_inside)

@@ -206,9 +206,11 @@ std::size_t max_bytes_per_pass(std::span<const PathCachePlan> plans) {
 
 double fresh_bytes(const PathCache& cache, std::span<const PathCachePlan> plans,
                    std::size_t batch) {
-    return static_cast<double>(std::min(batch, plans.size())) *
-           fresh_passes(cache.samples, cache.window) *
-           static_cast<double>(max_bytes_per_pass(plans));
+    double most = 0;
+    for (const PathCachePlan& plan : plans)
+        most = std::max(most, fresh_passes(cache.samples, within(plan, cache.max_bytes).window) *
+                                  static_cast<double>(plan.bytes_per_pass));
+    return static_cast<double>(std::min(batch, plans.size())) * most;
 }
 
 namespace {

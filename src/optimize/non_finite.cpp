@@ -72,8 +72,11 @@ std::string non_finite_text(const Setup& setup, const Iteration& i) {
         pixels += static_cast<double>(renderer.width()) * renderer.height();
     }
     pixels *= static_cast<double>(batch_size(setup)) / static_cast<double>(setup.fitted.size());
-    const double samples =
-        pixels * image_samples(setup.options.estimator) + static_cast<double>(i.paths);
+    const Estimator& estimator = setup.options.estimator;
+    const std::optional<KeptCache> kept = kept_cache(estimator);
+    const std::uint32_t each =
+        kept ? fresh_passes(kept->options.samples, kept->options.window) : image_samples(estimator);
+    const double samples = pixels * each + static_cast<double>(i.paths);
     const auto rejected = static_cast<double>(i.rejected_image + i.rejected_derivatives);
     if (rejected <= kMaxRejectedShare * samples) return {};
     return fmt::format(

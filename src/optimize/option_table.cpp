@@ -18,7 +18,7 @@ constexpr Range kDecay{0, 0.999999};
 
 // One sentence each for what several estimators have.
 constexpr const char* kSpp =
-    "Fresh samples per pixel of the image in an iteration, at most twice a window that is kept";
+    "Fresh samples per pixel of the image in an iteration; no more than twice a window are traced";
 constexpr const char* kImageWindow =
     "The most passes of the image that each of two halves keeps and shades again; 0: fresh samples "
     "alone";

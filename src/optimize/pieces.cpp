@@ -55,19 +55,21 @@ std::string next_slice(const Pieces& pieces, std::uint64_t bytes, Place& place) 
     return slice;
 }
 
-/// For a rank whose slice is taken. It has half of the bytes; of the others all get a share of the
-/// rest, so that small pieces of many ranks come at once.
-void refill(TakenPieces& from, std::size_t wanted) {
+/// For a rank whose slice is taken: what its piece needs, at most half of the bytes. Of all ranks a
+/// share of the other half lies here, too, so that small pieces of many come at once.
+void refill(TakenPieces& from, std::size_t wanted, std::uint64_t size) {
     const auto count = static_cast<std::size_t>(from.ranks.count);
-    const std::size_t half = std::max<std::size_t>(1, from.bytes / 2);
+    const std::uint64_t half = std::max<std::uint64_t>(1, from.bytes / 2);
+    const std::uint64_t share = half / (count - 1);
     const Ask ask = from.slices.empty() ? Ask::kFromStart : Ask::kMore;
     from.slices.resize(count);
     std::vector<std::string> requests;
     for (std::size_t r = 0; r < count; ++r) {
         TakenPieces::Slice& slice = from.slices[r];
         slice = {slice.bytes.substr(slice.at)};
-        const std::size_t room = r == wanted ? half : half / (count - 1);
-        const Request request{ask, room - std::min(room, slice.bytes.size())};
+        const std::uint64_t room =
+            r == wanted ? std::max<std::uint64_t>(1, std::clamp(size, share, half)) : share;
+        const Request request{ask, room - std::min<std::uint64_t>(room, slice.bytes.size())};
         requests.push_back(message_of(&request));
     }
     from.ranks.exchange(std::move(requests));
@@ -80,7 +82,7 @@ void take(TakenPieces& from, std::size_t rank, std::uint64_t size, const ByteSin
         return from.slices.empty() || from.slices[rank].at == from.slices[rank].bytes.size();
     };
     while (size > 0) {
-        if (is_taken()) refill(from, rank);
+        if (is_taken()) refill(from, rank, size);
         if (is_taken()) throw Error("an exchange gave no bytes, expected more of a piece");
         TakenPieces::Slice& slice = from.slices[rank];
         const auto count =

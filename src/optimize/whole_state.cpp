@@ -1,7 +1,5 @@
 #include "optimize/whole_state.h"
 
-#include <algorithm>
-
 #include "burnish/error.h"
 #include "optimize/iterate.h"
 #include "optimize/owners.h"

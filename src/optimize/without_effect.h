@@ -1,4 +1,4 @@
-// Options of which only the scene and the views tell that they have no effect.
+// Options that have no effect beside the values of others, the scene or the views.
 #pragma once
 
 #include <span>

@@ -73,9 +73,9 @@ TEST_F(Masks, SayWhatOfTheFileTheyAre) {
     for (int y = 0; y < 3; ++y) colors.at(1, y, 0) = 1, colors.at(1, y, 1) = 0.6f;
     const MaskFile segments = read_whole("mask.exr", colors);
     EXPECT_EQ(segments.source, MaskSource::kColors);
-    EXPECT_EQ(segments.most, 0.2f) << "of no pixel all three are above";
+    EXPECT_EQ(segments.max_weight, 0.2f) << "of no pixel all three are above";
     for (int c = 0; c < 3; ++c) colors.at(2, 1, c) = 1;
-    EXPECT_EQ(read_whole("mask.exr", colors).most, 1);
+    EXPECT_EQ(read_whole("mask.exr", colors).max_weight, 1);
 }
 
 TEST_F(Masks, AreWholePicturesWithoutOverscan) {

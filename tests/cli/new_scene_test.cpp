@@ -756,6 +756,16 @@ TEST(MeshCheck, CoversAreThoseOfEachTexelsCentre) {
     }
 }
 
+/// An edge along a row of centres belongs to one of its triangles; one of no height covers nothing.
+TEST(MeshCheck, AnEdgeThroughCentresIsCountedOnce) {
+    Mesh mesh;
+    mesh.uvs = {{0, 0}, {1, 0}, {1, 0.5f}, {0, 0.5f}, {1, 1}, {0, 1}};
+    mesh.triangles = {{{0, 1, 2}}, {{0, 2, 3}}, {{3, 2, 4}}, {{3, 4, 5}}, {{3, 3, 3}}, {{3, 2, 3}}};
+    UvCovers covers = make_covers(21, 21);  // 0.5 is the centre of a row
+    add_covers(mesh, {}, covers);
+    EXPECT_EQ(covers.count, std::vector<unsigned char>(21 * 21, 1));
+}
+
 std::string complaints_of(const Mesh& mesh) {
     std::string all;
     for (const std::string& text : complaints(check_mesh(mesh, 60))) all += text + "\n";

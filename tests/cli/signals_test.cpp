@@ -271,19 +271,25 @@ TEST_F(Signals, TheSystemEndsAnIterationInItsMidst) {
     }
 }
 
-/// The soft limit of processor time: by then the iterations have begun, and none has been written.
+/// The soft limit of processor time, a second of which is long over once the iteration has begun.
 TEST_F(Signals, TheLimitOfProcessorTimeKeepsTheRun) {
     write_scene();
-    const Outcome outcome = shell("(ulimit -S -t 3 && exec '" BURNISH_BINARY
-                                  "' optimize scene.xml --parameter base_color --init 0.5 "
-                                  "--estimator mc --target-spp 8 --evaluation-spp 2 --spp 1048576 "
-                                  "--iterations 1 -o out)");
-    EXPECT_EQ(outcome.code, 75) << outcome.err;
-    EXPECT_TRUE(contains(outcome.err, "--resume out")) << outcome.err;
+    const pid_t pid = start(
+        "optimize scene.xml --parameter base_color --init 0.5 --estimator mc --target-spp 8 "
+        "--evaluation-spp 2 --spp 1048576 --iterations 1 -o out");
+    EXPECT_TRUE(wait_for_error_text("optimising"));
+    for (int i = 0; i < 75; ++i) pause();
+    rlimit limit{};
+    EXPECT_EQ(prlimit(pid, RLIMIT_CPU, nullptr, &limit), 0);
+    limit.rlim_cur = 1;
+    EXPECT_EQ(prlimit(pid, RLIMIT_CPU, &limit, nullptr), 0);
+    const int status = end_of(pid);
+    EXPECT_TRUE(WIFEXITED(status) && WEXITSTATUS(status) == 75) << status;
+    EXPECT_TRUE(contains(read_text(folder / ".err"), "--resume out")) << read_text(folder / ".err");
     EXPECT_TRUE(fs::exists(folder / "out/checkpoints/0000000000.burnish"));
 }
 
-/// As SIGXCPU each second until the program has ended.
+/// The kernel sends SIGXCPU each second until the program has ended.
 TEST_F(Signals, OneThatTheKernelRepeatsIsNotImpatient) {
     const pid_t pid = fork();
     if (pid == 0) {

@@ -280,6 +280,14 @@ TEST_F(ProcessesAndCheckpoints, AFileThatCannotBeWrittenIsSaidByAll) {
     test::on_ranks(2, [&](const Ranks& ranks) {
         const Problem own = test::of_rank(problem, ranks);
         EXPECT_THROW(solve(own, options, checkpoints), OutputError) << ranks.rank;
+        Checkpoints lost = checkpoints;
+        lost.folder = (folder / "lost").string();
+        const Callback replace = [&](const Iteration&) {  // the first process alone hears it
+            std::filesystem::remove_all(lost.folder);
+            std::ofstream(lost.folder) << "in the way";
+            return Suspend;
+        };
+        EXPECT_THROW(solve(own, options, lost, replace), OutputError) << ranks.rank;
         Checkpoints noted = checkpoints;
         int errors = 0;
         noted.note = [&](const CheckpointNote& note) { errors += !note.error.empty(); };
