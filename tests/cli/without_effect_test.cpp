@@ -24,13 +24,14 @@ TEST_F(WithoutEffect, IsWarnedOf) {
         << all.err;
     EXPECT_TRUE(contains(all.err, "batch has no effect above 1")) << all.err;
 
-    const Outcome passes = run(command + "--set path_cache.window=1 --spp 5 -o passes");
+    const std::string samples =
+        "optimize capture.json --iterations 1 --spp 5 --evaluation-spp 2 --parameter roughness ";
+    const Outcome passes = run(samples + "--set path_cache.window=1 -o passes");
     EXPECT_TRUE(contains(passes.err,
-                         "path_cache.samples has no effect above 2, twice "
-                         "path_cache.window: found 5"))
+                         "path_cache.samples has no effect above 2, twice path_cache.window: "
+                         "found 5"))
         << passes.err;
-    const Outcome image =
-        run(command + "--estimator mc --set monte_carlo.image_window=2 --spp 5 " + "-o image");
+    const Outcome image = run(samples + "--estimator mc --set monte_carlo.image_window=2 -o image");
     EXPECT_TRUE(contains(image.err,
                          "monte_carlo.image_samples has no effect above 4, twice "
                          "monte_carlo.image_window: found 5"))
