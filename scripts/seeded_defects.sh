@@ -11,7 +11,7 @@ set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
 copy=$PWD/build/defects log=$PWD/build/defects.log
-applied=$PWD/build/defects.applied  # the patch that the copy carries
+applied=$PWD/build/defects.applied  # the last patch that the copy was built with
 export CCACHE_BASEDIR=$copy CCACHE_NOHASHDIR=1
 mode=judge
 [ "${1:-}" != --check ] || { mode=check; shift; }
@@ -34,8 +34,8 @@ build() { (cd "$copy" && cmake --build --preset release --parallel "$(nproc)" --
 
 run() { timeout 900 "$copy/build/release/tests/$1" --gtest_filter="$2" > "$log" 2>&1; }
 
-# Copies what git tracks or could, with its times, and removes what is no more. A file that an interrupted run left
-# patched is new again, so that it is compiled.
+# Copies what git tracks or could, with its times, and removes what is no more. What the last run has compiled with its
+# last patch is new again, so that it is compiled without it.
 copy_sources() {
     mkdir -p "$copy"
     git ls-files -z --cached --others --exclude-standard | tar c --null --ignore-failed-read -T - 2> /dev/null |
@@ -72,7 +72,6 @@ judge() {
         verdict="NO VERDICT"
     fi
     apply -R "$(realpath "$patch")"
-    rm "$applied"
 }
 
 if [ $mode = check ]; then

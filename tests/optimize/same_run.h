@@ -125,7 +125,7 @@ inline void expect_to_go_on_with_others(const Problem& problem, const Options& o
             else
                 solve(own, options, load_checkpoint(checkpoints.folder, ranks), checkpoints, stop);
         });
-        EXPECT_EQ(load_checkpoint(checkpoints.folder).run.state,
+        ASSERT_EQ(load_checkpoint(checkpoints.folder).run.state,
                   solve(problem, options, stop).state)
             << "the file of one process, written by " << leg.processes;
     }
