@@ -122,7 +122,7 @@ void plan_memory(RunViews views, RunResult& run) {
     const TickingLine line("estimating the memory");
     const Theta theta = initial_theta(run);
     const std::vector<std::vector<char>> reaching = reaching_pixels(views.fitted, theta);
-    find_unseeing_views(reaching, run);
+    find_unseeing_views(theta, reaching, run);
     views.reaching = reaching;
     const double limit = memory_limit(run);
     run.memory = plan_run(views, theta, limit, run.settings.options, run);

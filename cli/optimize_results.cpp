@@ -18,6 +18,7 @@
 #include "core/stopwatch.h"
 #include "image/files.h"
 #include "image/image.h"
+#include "optimize/batch.h"
 #include "optimize/evaluation.h"
 #include "optimize/ranks.h"
 #include "render/renderer.h"
@@ -31,10 +32,6 @@ void note_long(const char* what, double seconds, const char* option) {
     if (seconds > kLong)
         log_info(fmt::format("{} will take about {}; a smaller {} takes less", what,
                              duration_text(seconds), option));
-}
-
-double pixels_of(const Renderer& renderer) {
-    return static_cast<double>(renderer.width()) * renderer.height();
 }
 
 }  // namespace

@@ -68,16 +68,15 @@ TargetTexture make_target_texture(const RunSettings& run, std::size_t i, bool re
 std::vector<TargetTexture> make_target_textures(const Settings& settings, bool rendered,
                                                 Scene& scene) {
     std::vector<TargetTexture> textures;
-    std::vector<std::string> names;
     std::vector<TextureId> ids;
     for (std::size_t i = 0; i < settings.run.parameters.size(); ++i) {
         TargetTexture t = make_target_texture(settings.run, i, rendered, scene);
         for (const TargetTexture& other : textures)
             if (other.file == t.file) t.file += fmt::format("_{}", i);
-        names.push_back(settings.run.parameters[i]), ids.push_back(t.texture);
+        ids.push_back(t.texture);
         textures.push_back(std::move(t));
     }
-    require_distinct(names, ids);
+    require_distinct(settings.run.parameters, ids);
     for (TargetTexture& t : textures)
         t.learning_rate =
             learning_rate_of(scene, ids, t.texture, t.start_kind, settings.options, t.own_rate);

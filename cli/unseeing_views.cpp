@@ -37,9 +37,8 @@ std::string names_of_unknowns(const RunResult& run) {
 
 }  // namespace
 
-void find_unseeing_views(std::span<const std::vector<char>> reaching, RunResult& run) {
-    Theta theta;
-    for (const TargetTexture& t : run.textures) theta.textures.push_back({t.texture, {}});
+void find_unseeing_views(const Theta& theta, std::span<const std::vector<char>> reaching,
+                         RunResult& run) {
     std::vector<const std::vector<char>*> known;
     std::size_t fitted = 0;
     for (const CapturedView& source : run.sources)

@@ -13,7 +13,8 @@ namespace burnish {
 /// The views in which no light from an unknown can reach a pixel, into run.unseeing_views.
 /// reaching: reaching_pixels of those that are fitted. Throws InputError where no view that
 /// is fitted is left.
-void find_unseeing_views(std::span<const std::vector<char>> reaching, RunResult& run);
+void find_unseeing_views(const Theta& theta, std::span<const std::vector<char>> reaching,
+                         RunResult& run);
 
 /// What is said of run.unseeing_views, a sentence; empty: there are none.
 std::string unseeing_text(const RunResult& run);

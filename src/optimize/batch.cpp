@@ -12,6 +12,13 @@ std::size_t batch_size(const Setup& setup) {
     return std::min<std::size_t>(setup.options.batch, setup.fitted.size());
 }
 
+double pixels_of_iteration(const Setup& setup) {
+    double pixels = 0;
+    for (const std::size_t view : setup.fitted) pixels += pixels_of(setup.views[view]);
+    return pixels * static_cast<double>(batch_size(setup)) /
+           static_cast<double>(setup.fitted.size());
+}
+
 namespace {
 
 /// Visit `visit` of `count` views [begin, begin + count): the next one of an order that is shuffled

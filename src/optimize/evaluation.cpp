@@ -45,10 +45,6 @@ void share_evaluations(const Setup& setup, std::vector<ViewEvaluation>& views) {
     for (std::size_t i = 0; i < views.size(); ++i) views[i].image = std::move(images[i]);
 }
 
-double pixels_of(const Setup& setup, std::size_t view) {
-    return double{1} * setup.views[view].width() * setup.views[view].height();
-}
-
 double psnr_of(const Setup& setup, std::size_t view, const Theta& theta,
                const ExposureFactors& exposure, const Image& a, const Image& b) {
     const View& v = setup.problem.views[view];
@@ -138,11 +134,9 @@ Evaluation evaluate_result(const Setup& setup, const Theta& theta, std::size_t i
                            const Progress& progress) {
     const std::uint32_t asked = setup.options.evaluation_samples;
     if (asked > 0) return evaluate(setup, theta, std::max(2u, asked), kResult, progress);
-    double all = 0, fitted = 0;
-    for (std::size_t view = 0; view < setup.views.size(); ++view) all += pixels_of(setup, view);
-    for (const std::size_t view : setup.fitted) fitted += pixels_of(setup, view);
-    const double visited = static_cast<double>(iterations * batch_size(setup)) * fitted /
-                           static_cast<double>(setup.fitted.size());
+    double all = 0;
+    for (const Renderer& view : setup.views) all += pixels_of(view);
+    const double visited = static_cast<double>(iterations) * pixels_of_iteration(setup);
     return evaluate(setup, theta, result_samples(visited, all), kResult, progress);
 }
 

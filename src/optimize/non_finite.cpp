@@ -66,17 +66,11 @@ std::size_t leave_out_unusable(SplitGradient& gradient, std::size_t begin, std::
 }
 
 std::string non_finite_text(const Setup& setup, const Iteration& i) {
-    double pixels = 0;  // of an iteration, where views differ in size about
-    for (const std::size_t view : setup.fitted) {
-        const Renderer& renderer = setup.views[view];
-        pixels += static_cast<double>(renderer.width()) * renderer.height();
-    }
-    pixels *= static_cast<double>(batch_size(setup)) / static_cast<double>(setup.fitted.size());
     const Estimator& estimator = setup.options.estimator;
     const std::optional<KeptCache> kept = kept_cache(estimator);
     const std::uint32_t each =
         kept ? fresh_passes(kept->options.samples, kept->options.window) : image_samples(estimator);
-    const double samples = pixels * each + static_cast<double>(i.paths);
+    const double samples = pixels_of_iteration(setup) * each + static_cast<double>(i.paths);
     const auto rejected = static_cast<double>(i.rejected_image + i.rejected_derivatives);
     if (rejected <= kMaxRejectedShare * samples) return {};
     return fmt::format(
