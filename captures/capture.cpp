@@ -13,6 +13,7 @@
 #include "core/transform.h"
 #include "image/image.h"
 #include "image/texels.h"
+#include "image/whole.h"
 
 namespace burnish {
 
@@ -67,7 +68,7 @@ ViewCamera camera_of(const Value& v) {
 /// of texels that become black.
 SharedImage read_sky(const std::string& file) {
     Image sky = with_channels(padded_to(read_image(file), 2, 2), 3);
-    require(is_finite(sky), file + ": the environment has values that are not finite");
+    require_finite(sky, file);
     drop_negative(sky);
     return share(std::move(sky));
 }

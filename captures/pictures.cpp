@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
 #include <variant>
 
 #include "burnish/error.h"
@@ -12,19 +11,9 @@
 #include "image/files.h"
 #include "image/image.h"
 #include "image/numbers.h"
+#include "image/whole.h"
 
 namespace burnish {
-
-void require_finite(const Image& image, const std::string& what) {
-    for (std::size_t i = 0; i < image.values.size(); ++i) {
-        if (std::isfinite(image.values[i])) continue;
-        const auto pixel = i / static_cast<std::size_t>(image.channels);
-        throw InputError(fmt::format("{}: the value at pixel ({}, {}) is {}, expected a finite one",
-                                     what, pixel % static_cast<std::size_t>(image.width),
-                                     pixel / static_cast<std::size_t>(image.width),
-                                     image.values[i]));
-    }
-}
 
 void require_size(const Image& image, int width, int height, const std::string& what,
                   const std::string& expected) {

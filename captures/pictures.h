@@ -9,9 +9,6 @@
 
 namespace burnish {
 
-/// Throws InputError that names the first value that is not finite.
-void require_finite(const Image& image, const std::string& what);
-
 /// Throws InputError: "WHAT is 3 x 4 pixels, expected EXPECTED, 5 x 6".
 void require_size(const Image& image, int width, int height, const std::string& what,
                   const std::string& expected);

@@ -65,14 +65,6 @@ Image formatted(Image image, const Renderer& renderer, const RenderOptions& opti
     return with_alpha(image, render_alpha(input, samples));
 }
 
-void require_finite(const Image& image) {
-    if (const std::size_t bad = count_non_finite(image))
-        throw InputError(
-            fmt::format("the image holds {} values that are not finite: lights of the scene are "
-                        "too bright for single precision",
-                        bad));
-}
-
 void run(const RenderOptions& options) {
     require_image_name(options.output);
     require_writable(options.output);
@@ -89,7 +81,7 @@ void run(const RenderOptions& options) {
     const Image image = formatted(
         render_with_progress(renderer, {options.scene.seed, Stream::kImage}, samples, "rendering"),
         renderer, options, samples);
-    require_finite(image);
+    require_finite(image, "the image", "lights of the scene are too bright for single precision");
     write_image(options.output, image);
     log_info(fmt::format("{}: {} x {} pixels, {} samples per pixel, {}", options.output,
                          image.width, image.height, samples, duration_text(watch.total())));

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "captures/pictures.h"
+#include "image/whole.h"
 #include "optimize/option_value.h"
 
 namespace burnish {

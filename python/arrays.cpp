@@ -5,10 +5,10 @@
 #include <nanobind/stl/string.h>
 
 #include <algorithm>
-#include <cmath>
 
 #include "burnish/error.h"
 #include "image/image.h"
+#include "image/whole.h"
 
 namespace burnish::python {
 
@@ -84,17 +84,6 @@ nb::object as_numpy(nb::handle array, const std::string& what) {
 }
 
 std::string shape_text(nb::handle array) { return repr_of(nb::object(array.attr("shape"))); }
-
-void require_finite(const Image& image, const std::string& what) {
-    const auto at = std::find_if(image.values.begin(), image.values.end(),
-                                 [](float v) { return !std::isfinite(v); });
-    if (at == image.values.end()) return;
-    const auto pixel = static_cast<std::size_t>(at - image.values.begin()) /
-                       static_cast<std::size_t>(image.channels);
-    const auto width = static_cast<std::size_t>(image.width);
-    throw InputError(fmt::format("{}: the value at [{}, {}] is {:f}, expected finite numbers", what,
-                                 pixel / width, pixel % width, *at));
-}
 
 /// Of an array of whole numbers.
 void require_weights(const Image& image, const std::string& what, const std::string& type) {

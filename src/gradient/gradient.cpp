@@ -39,11 +39,6 @@ Theta theta_of(const Scene& scene, const std::vector<std::string>& parameters,
     return theta;
 }
 
-void require_finite_adjoint(const Image& adjoint) {
-    if (const std::size_t bad = count_non_finite(adjoint))
-        throw InputError(fmt::format("the adjoint image has {} values that are not finite", bad));
-}
-
 /// What was left out is little, and sums did not overflow.
 void require_finite_gradient(std::size_t rejected, std::size_t kept,
                              const std::vector<Image>& gradient) {
@@ -71,7 +66,7 @@ std::vector<Image> estimate_gradient(const Renderer& renderer,
                 std::to_string(adjoint.channels) + " channels: expected " +
                 size_text(renderer.width(), renderer.height()) + " and 3");
     require_whole(adjoint, "the adjoint image");
-    require_finite_adjoint(adjoint);
+    require_finite(adjoint, "the adjoint image");
     const Theta theta = theta_of(renderer.data().scene(), parameters, options.textures);
     const Binding binding(renderer.data().traced, theta);
 

@@ -14,19 +14,6 @@ namespace burnish {
 
 namespace {
 
-void require_finite(const Image& image, const std::string& file) {
-    if (is_finite(image)) return;
-    std::size_t count = 0, first = 0;
-    for (std::size_t i = image.values.size(); i-- > 0;)
-        if (!std::isfinite(image.values[i])) ++count, first = i;
-    const auto pixel = first / static_cast<std::size_t>(image.channels);
-    const auto width = static_cast<std::size_t>(image.width);
-    throw InputError(fmt::format(
-        "{}: {} of {} values are not finite, the first one ({}) at pixel ({}, {}): "
-        "expected finite ones",
-        file, count, image.values.size(), image.values[first], pixel % width, pixel / width));
-}
-
 Encoding resolved(const Encoding& encoding, PixelEncoding stored) {
     if (!std::holds_alternative<ByFileType>(encoding)) return encoding;
     return stored == PixelEncoding::kFloat ? Encoding{LinearEncoding{}} : Encoding{SrgbEncoding{}};

@@ -2,9 +2,6 @@
 // may not.
 #pragma once
 
-#include <algorithm>
-#include <cmath>
-#include <cstddef>
 #include <string>
 
 #include "burnish/photograph.h"
@@ -19,19 +16,12 @@ inline bool is_whole(const Image& image) {
 }
 
 /// Throws InputError where it is not. what: "the mask", for the message.
-inline void require_whole(const Image& image, const std::string& what) {
-    if (is_whole(image)) return;
-    throw InputError(what + " has " + std::to_string(image.values.size()) + " values for " +
-                     std::to_string(image.width) + " x " + std::to_string(image.height) +
-                     " pixels of " + std::to_string(image.channels) +
-                     " channels: expected one for each channel of a pixel");
-}
+void require_whole(const Image& image, const std::string& what);
 
-/// How many values are infinite or NaN.
-inline std::size_t count_non_finite(const Image& image) {
-    return static_cast<std::size_t>(std::count_if(image.values.begin(), image.values.end(),
-                                                  [](float v) { return !std::isfinite(v); }));
-}
+/// Throws InputError where values of a whole image are infinite or NaN: how many, and the first of
+/// them with its pixel. expected: how the message ends.
+void require_finite(const Image& image, const std::string& what,
+                    const std::string& expected = "expected finite ones");
 
 /// Throws InputError where a photograph's images are not whole, or not of one size and as many
 /// channels as they have.

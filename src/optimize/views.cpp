@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
 #include <memory>
 
 #include "burnish/error.h"
@@ -42,6 +41,16 @@ void check_exposure(const Problem& problem, const View& view) {
     }
 }
 
+/// The picture of a view, 0 where its mask leaves it out.
+Image counted(const View& view) {
+    Image image = view.image;
+    for (int y = 0; y < image.height; ++y)
+        for (int x = 0; x < image.width; ++x)
+            for (int c = 0; c < image.channels; ++c)
+                if (mask_at(view.mask, x, y, c) == 0) image.at(x, y, c) = 0;
+    return image;
+}
+
 void check_picture(const View& view, const Renderer& renderer) {
     const std::string expected = size_text(renderer.width(), renderer.height()) + " pixels";
     require(
@@ -57,22 +66,11 @@ void check_picture(const View& view, const Renderer& renderer) {
                     size_text(view.mask.width, view.mask.height), channels, expected));
     require_whole(view.image, "the target image");
     if (view.mask.width != 0) require_whole(view.mask, "the mask");
-    const auto require_finite = [](const char* what, const Image& image, const auto& counts) {
-        if (is_finite(image)) return;
-        std::size_t bad = 0;
-        for (int y = 0; y < image.height; ++y)
-            for (int x = 0; x < image.width; ++x)
-                for (int c = 0; c < image.channels; ++c)
-                    bad += !std::isfinite(image.at(x, y, c)) && counts(x, y, c);
-        if (bad > 0)
-            throw InputError(fmt::format("{} holds {} values that are not finite", what, bad));
-    };
-    require_finite("the mask", view.mask, [](int, int, int) { return true; });
+    require_finite(view.mask, "the mask");
     const float least = view.mask.width == 0 ? 0 : *std::ranges::min_element(view.mask.values);
     require(least >= 0,
             fmt::format("the mask holds {:f}, expected weights that are not negative", least));
-    require_finite("the target image", view.image,
-                   [&](int x, int y, int c) { return mask_at(view.mask, x, y, c) != 0; });
+    if (!is_finite(view.image)) require_finite(counted(view), "the target image");
 }
 
 /// The image of a sky that is prepared; none: there is no such sky.

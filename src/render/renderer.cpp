@@ -46,9 +46,7 @@ std::vector<TextureId> find_textures(const Scene& scene, const TextureValues& va
 
 Image texels_of(const Bitmap& bitmap, const std::string& parameter, const Image& image) {
     require_whole(image, parameter);
-    if (const std::size_t bad = count_non_finite(image))
-        throw InputError(parameter + ": found " + std::to_string(bad) +
-                         " texels that are not finite");
+    require_finite(image, parameter);
     if (image.width == bitmap.width && image.height == bitmap.height &&
         (image.channels == 1 || image.channels == 3))
         return with_channels(image, bitmap.channels);

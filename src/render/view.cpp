@@ -179,7 +179,7 @@ void check_environment_image(const Image& image) {
             "the environment has " + size_text(image.width, image.height) + " pixels of " +
                 std::to_string(image.channels) + " channels: expected RGB of at least 2 x 2");
     require_whole(image, "the environment");
-    require(is_finite(image), "the environment has values that are not finite");
+    require_finite(image, "the environment");
     for (std::size_t i = 0; i < image.values.size(); i += 3)
         if (luminance(Rgbf{image.values[i], image.values[i + 1], image.values[i + 2]}) < 0)
             throw InputError(
