@@ -91,4 +91,12 @@ Verdict verdict_of_parts(Verdict first, Verdict second) {
     return any(Verdict::kFails) ? Verdict::kFails : Verdict::kUndecided;
 }
 
+Verdict late_verdict(const RatioInterval& mc, const RatioInterval& pgris,
+                     const RatioInterval& pgris_over_mc) {
+    const Verdict goes_on = verdict_below_one(pgris), more = verdict_below_one(pgris_over_mc);
+    if (goes_on == Verdict::kFails || more == Verdict::kFails) return Verdict::kFails;
+    if (goes_on == Verdict::kUndecided) return Verdict::kUndecided;
+    return verdict_below_one(mc) == Verdict::kHolds ? Verdict::kFails : more;
+}
+
 }  // namespace burnish

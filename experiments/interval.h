@@ -44,5 +44,9 @@ Verdict bounds_below_one(const RatioInterval& bounds);
 Verdict verdict_of_ways(Verdict first, Verdict second);
 /// Of a claim that has two parts, each with its own verdict.
 Verdict verdict_of_parts(Verdict first, Verdict second);
+/// Of the claim that the loss of pgris goes on falling where that of mc has converged. What a loss
+/// changes by late in a run: of mc, of pgris, and of pgris over that of mc, run by run.
+Verdict late_verdict(const RatioInterval& mc, const RatioInterval& pgris,
+                     const RatioInterval& pgris_over_mc);
 
 }  // namespace burnish

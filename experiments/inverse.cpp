@@ -1,8 +1,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <functional>
+#include <initializer_list>
 #include <limits>
 
+#include "experiments/close_up.h"
 #include "experiments/interval.h"
 #include "experiments/inverse_runs.h"
 
@@ -66,22 +69,44 @@ Plot long_plot(const std::vector<Method>& methods) {
     return plot;
 }
 
+/// What is shown of an image and of a texture.
+using Shown = std::function<Image(const Image&)>;
+
+/// Of the first runs of some methods after the time of the derivatives, beside what they are to
+/// become, `start` being the loss at the start.
 std::vector<std::vector<Picture>> pictures_of(const TargetScene& scene, double start,
-                                              const std::vector<Method>& methods) {
+                                              const std::vector<Method>& methods,
+                                              std::initializer_list<std::size_t> which,
+                                              const Shown& of_image, const Shown& of_texture) {
     std::vector<Picture> images, textures;
     const bool raw = std::get<Bitmap>(scene.scene()[scene.texture]).raw;
     const PictureKind kind = raw ? PictureKind::kTexture : PictureKind::kColor;
-    textures.push_back({"truth", "texture", scene.truth, kind});
-    for (const std::size_t k : {std::size_t{kMc}, std::size_t{kReplay}, std::size_t{kCache}}) {
+    textures.push_back({"truth", "texture", of_texture(scene.truth), kind});
+    for (const std::size_t k : which) {
         const Moment& m = methods[k].runs.front().at[kDerivative];
         images.push_back(
             {fmt::format("{}, {:.1f} s of derivatives", methods[k].name, m.derivative_seconds),
-             fmt::format("loss {:.4g} of {:.4g}", m.loss, start), m.image});
-        textures.push_back(
-            {methods[k].name, fmt::format("error {:.4f}", m.texture_error), m.texture, kind});
+             fmt::format("loss {:.4g} of {:.4g}", m.loss, start), of_image(m.image)});
+        textures.push_back({methods[k].name, fmt::format("error {:.4f}", m.texture_error),
+                            of_texture(m.texture), kind});
     }
-    images.push_back({"target", "", scene.target});
+    images.push_back({"target", "", of_image(scene.target)});
     return {std::move(images), std::move(textures)};
+}
+
+/// With and without positivisation, the parts in which these differ most.
+std::vector<std::vector<Picture>> close_ups_of(const TargetScene& scene, double start,
+                                               const std::vector<Method>& methods) {
+    const auto part = [&](const Image Moment::*picture) -> Shown {
+        const auto of = [&](std::size_t k) -> const Image& {
+            return methods[k].runs.front().at[kDerivative].*picture;
+        };
+        return [square = most_different(of(kGris), of(kReplay))](const Image& whole) {
+            return close_up(whole, square);
+        };
+    };
+    return pictures_of(scene, start, methods, {kGris, kReplay}, part(&Moment::image),
+                       part(&Moment::texture));
 }
 
 /// "25 iterations"
@@ -208,13 +233,14 @@ Figure equal_time_figure(const TargetScene& scene, double start, const std::vect
     f.why = reason_of(methods, options.budget, falls_short(f.verdict) || stands_above_one(replay));
     f.tables.push_back(table_of(methods, options.budget));
     f.plots.push_back(loss_plot(methods, 1.05 * options.budget.derivative_seconds));
-    f.pictures = pictures_of(scene, start, methods);
+    const auto whole = [](const Image& picture) { return picture; };
+    f.pictures = pictures_of(scene, start, methods, {kMc, kReplay, kCache}, whole, whole);
     return f;
 }
 
 /// The paper's figure 7.
-Figure positivization_figure(const TargetScene& scene, const std::vector<Method>& methods,
-                             const ReproduceOptions& options) {
+Figure positivization_figure(const TargetScene& scene, double start,
+                             const std::vector<Method>& methods, const ReproduceOptions& options) {
     const auto ratio = [&](At at) { return loss_ratio(methods[kReplay], methods[kGris], at); };
     Figure f;
     f.title = title_of(scene) + ", with and without positivisation";
@@ -226,6 +252,7 @@ Figure positivization_figure(const TargetScene& scene, const std::vector<Method>
         text_of(ratio(kDerivative)), options.budget.derivative_seconds, text_of(ratio(kClock)),
         options.budget.seconds);
     f.verdict = verdict_below_one(ratio(kIterations));
+    f.pictures = close_ups_of(scene, start, methods);
     return f;
 }
 
@@ -302,14 +329,6 @@ void measure_method(const TargetScene& scene, const Method& method, ExperimentRe
 
 }  // namespace
 
-Verdict late_verdict(const RatioInterval& mc, const RatioInterval& pgris,
-                     const RatioInterval& pgris_over_mc) {
-    const Verdict goes_on = verdict_below_one(pgris), more = verdict_below_one(pgris_over_mc);
-    if (goes_on == Verdict::kFails || more == Verdict::kFails) return Verdict::kFails;
-    if (goes_on == Verdict::kUndecided) return Verdict::kUndecided;
-    return verdict_below_one(mc) == Verdict::kHolds ? Verdict::kFails : more;
-}
-
 ExperimentResult run_inverse(TargetScenes scenes, const ReproduceOptions& options,
                              const WorkNote& note) {
     ExperimentResult result{"inverse", "", {}, {}, 0};
@@ -319,7 +338,7 @@ ExperimentResult run_inverse(TargetScenes scenes, const ReproduceOptions& option
         const std::vector<Method>& methods = runs_of(scene, options, note).methods;
         for (const Method& method : methods) measure_method(scene, method, result);
         result.figures.push_back(equal_time_figure(scene, start, methods, options));
-        result.figures.push_back(positivization_figure(scene, methods, options));
+        result.figures.push_back(positivization_figure(scene, start, methods, options));
         result.figures.push_back(late_figure(scene, methods, options));
     }
     return result;

@@ -10,7 +10,7 @@
 
 #include "burnish/checkpoint.h"
 #include "experiments/experiments.h"
-#include "experiments/interval.h"
+#include "experiments/figure.h"
 
 namespace burnish {
 
@@ -78,11 +78,6 @@ using GetRun = std::function<std::optional<Run>(const Method& method, std::uint3
 /// The runs of all methods; null where there is none of one.
 std::shared_ptr<const InverseRuns> make_runs(const TargetScene& scene,
                                              const ReproduceOptions& options, const GetRun& get);
-
-/// Of the claim that the loss of pgris goes on falling where that of mc has converged. What a loss
-/// changes by late in a run: of mc, of pgris, and of pgris over that of mc, run by run.
-Verdict late_verdict(const RatioInterval& mc, const RatioInterval& pgris,
-                     const RatioInterval& pgris_over_mc);
 
 /// The runs of a scene; made on the first call and kept in the scene.
 const InverseRuns& runs_of(TargetScene& scene, const ReproduceOptions& options,

@@ -11,8 +11,10 @@
 #include <filesystem>
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
+#include "experiments/interval.h"
 #include "experiments/small_target_scene.h"
 
 namespace burnish {
@@ -61,6 +63,22 @@ TEST(Inverse, RunsPassEachOfTheirBudgets) {
         ASSERT_EQ(row.size(), table.head.size()) << row[0];
         EXPECT_EQ(row[column].empty(), !is_long) << row[0];
     }
+
+    // Figure 7: a third of the image's sides, and of the texture's.
+    const auto& rows = result.figures.at(1).pictures;
+    ASSERT_EQ(rows.size(), 2u);
+    for (const auto& [row, side] : {std::pair{&rows[0], 8}, std::pair{&rows[1], 10}}) {
+        ASSERT_EQ(row->size(), 3u);
+        for (const Picture& picture : *row) {
+            EXPECT_EQ(picture.image.width, side) << picture.name;
+            EXPECT_EQ(picture.image.height, side) << picture.name;
+        }
+        EXPECT_NE((*row)[0].image, (*row)[1].image);
+        EXPECT_NE((*row)[1].image, (*row)[2].image);
+    }
+    EXPECT_EQ(rows[0][0].name.find("gris, replay"), 0u);
+    EXPECT_EQ(rows[0][2].name, "target");
+    EXPECT_EQ(rows[1][0].name, "truth");
 }
 
 // A run that is stopped goes on to what it would have become: the budgets here are of iterations,
