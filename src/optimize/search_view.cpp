@@ -8,6 +8,7 @@
 
 #include "core/parallel.h"
 #include "gradient/theta.h"
+#include "image/quality.h"
 #include "optimize/exposure.h"
 #include "optimize/loss.h"
 #include "render/film.h"
@@ -90,27 +91,46 @@ std::array<float, 2> mean_and_mask(const SearchFrame& f, int x, int y, int chann
     return {sum / count, least};
 }
 
-/// Of a squared residual without the exposure, as of relMSE; finite where squares overflow, too.
-float weight_of(float mean, float mask, float exposure) {
-    constexpr float kSmall = 0.01f;
-    const float square = mean * mean, weight = mask * exposure * exposure / (square + kSmall);
+/// Of a squared residual without the exposure, as of relMSE, whose 0.01 is `small` here; finite
+/// where squares overflow, too.
+float weight_of(float mean, float mask, float exposure, float small) {
+    const float square = mean * mean, weight = mask * exposure * exposure / (square + small);
     if (std::isfinite(square) && std::isfinite(weight)) return weight;
     constexpr double kMost = 1e30;
     const double m = mean, e = exposure;
-    return static_cast<float>(std::min(double{mask} * e * e / (m * m + double{kSmall}), kMost));
+    return static_cast<float>(std::min(double{mask} * e * e / (m * m + double{small}), kMost));
+}
+
+/// The 0.01 of relMSE for a picture whose white, that of the squares in which an unknown may be
+/// seen, is 1 or more. A darker one is judged as if it were made so bright: otherwise all losses
+/// are small beside kNoLoss, and nothing decides.
+float small_of(const SearchFrame& f, const Image& means, const std::vector<float>& masks) {
+    std::vector<char> counting(masks.size());
+    for (std::size_t i = 0; i < masks.size(); ++i) counting[i] = masks[i] > 0 && f.seen[i / 3];
+    const float white = quantile(means, 0.99, counting);
+    constexpr float kLeastSquare = 1e-30f;  // what is divided by it stays finite
+    return 0.01f * (white > 0 && white < 1 ? std::max(white * white, kLeastSquare) : 1);
 }
 
 void shrink_target(SearchFrame& f) {
     const ExposureFactors factors = factors_of(f.view.exposure);
-    for (int y = 0; y < f.height; ++y)
-        for (int x = 0; x < f.width; ++x)
-            for (int c = 0; c < 3; ++c) {
-                const auto [mean, mask] = mean_and_mask(f, x * f.plan.scale, y * f.plan.scale, c);
-                const float exposure = factors[static_cast<std::size_t>(c)];
-                const bool known = mask > 0 && std::isfinite(mean / exposure);
-                f.target.push_back(known ? mean / exposure : 0);
-                f.weight.push_back(known ? weight_of(mean, mask, exposure) : 0);
-            }
+    Image means = make_image(f.width, f.height, 3);
+    std::vector<float> masks(means.values.size());
+    for (std::size_t i = 0; i < masks.size(); ++i) {
+        const auto square = static_cast<int>(i / 3);
+        const auto [mean, mask] =
+            mean_and_mask(f, square % f.width * f.plan.scale, square / f.width * f.plan.scale,
+                          static_cast<int>(i % 3));
+        const bool known = mask > 0 && std::isfinite(mean / factors[i % 3]);
+        means.values[i] = known ? mean : 0, masks[i] = known ? mask : 0;
+    }
+    const float small = small_of(f, means, masks);
+    for (std::size_t i = 0; i < masks.size(); ++i) {
+        const float exposure = factors[i % 3];
+        f.target.push_back(means.values[i] / exposure);
+        f.weight.push_back(masks[i] > 0 ? weight_of(means.values[i], masks[i], exposure, small)
+                                        : 0);
+    }
 }
 
 void find_seen(SearchFrame& f) {

@@ -41,6 +41,36 @@ TEST(StartSearch, StartsInTheValleyThatDescentMisses) {
     EXPECT_GT(error_after(scene, 0.5f, 60), error_after(scene, 0.5f, 0)) << "away from the truth";
 }
 
+/// By powers of two, so that nothing is rounded otherwise. The picture's white is below 1.
+TEST(StartSearch, IsTheSameHoweverDarkThePictureIs) {
+    const auto searched = [](float brightness) {
+        Scene scene = smooth_scene();
+        scene.emitters = {
+            AreaEmitter{{8 * brightness, 8 * brightness, 8 * brightness}, {1}},
+            ConstantEmitter{{0.01f * brightness, 0.01f * brightness, 0.01f * brightness}}};
+        return Solver(searched_problem(scene, SearchStart{}), {}).texture(0);
+    };
+    const Image expected = searched(1);
+    EXPECT_LT(distance_of(expected, truth_of(smooth_scene(), 0)), 0.1);
+    for (const int power : {-4, -20, -40})
+        EXPECT_EQ(searched(std::ldexp(1.0f, power)), expected) << power;
+}
+
+/// Of a dark photograph whose exposure is fitted, too.
+TEST(StartSearch, IsTheSameHoweverDarkAPhotographIs) {
+    const Scene scene = smooth_scene();
+    const auto searched = [&](float exposure) {
+        Problem problem = searched_problem(scene, SearchStart{});
+        for (float& v : problem.views[0].image.values) v *= exposure;
+        problem.views[0].exposure = FitExposure{};
+        return Solver(problem, {}).texture(0);
+    };
+    const Image expected = searched(0.25f);
+    EXPECT_LT(distance_of(expected, truth_of(scene, 0)), 0.15);  // 0.385 from 0.5
+    for (const int power : {-6, -12})
+        EXPECT_EQ(searched(std::ldexp(1.0f, power)), expected) << power;
+}
+
 TEST(StartSearch, FindsColorsByTheRatioOfPictureAndRender) {
     Principled floor;  // neither lobe but the diffuse one matters much
     floor.base_color.texture = {0};
@@ -246,6 +276,40 @@ TEST(StartSearch, ReadsEveryViewThatIsFitted) {
     for (float& v : right.image.values) v = 1e6f;
     problem.views.push_back(right);
     EXPECT_EQ(Solver(problem, {}).texture(0), of_both) << "one that is held out is not read";
+}
+
+/// Of many views some are read, spread evenly over those that are fitted.
+TEST(StartSearch, ReadsSomeOfManyViews) {
+    Problem problem = searched_problem(smooth_scene(), SearchStart{});
+    problem.views.resize(40, problem.views.front());
+    problem.views[0].held_out = true;
+    const SearchInput input = search_input(make_setup(std::move(problem), {}));
+    ASSERT_EQ(input.fitted.size(), 16u);
+    ASSERT_EQ(input.views.size(), 16u);
+    for (std::size_t i = 0; i < 16; ++i) EXPECT_EQ(input.fitted[i], i * 39 / 16);
+}
+
+/// Beside an unknown that is not searched, whose values are those of the run.
+TEST(StartSearch, NamesUnknownsByTheirPlaceAmongAll) {
+    Principled floor = metal();
+    floor[PrincipledScalar::kRoughness].texture = {0};
+    floor[PrincipledScalar::kMetallic].texture = {1};
+    const Scene scene = floor_scene(floor, {halves(16, 0.12f, 0.35f), halves(8, 1, 0)});
+    Problem problem = searched_problem(scene, SearchStart{});
+    problem.unknowns[0].start = 0.5f;
+    Options options;
+    options.stop.iterations = 1, options.evaluation_samples = 2;
+    const Summary summary = solve(problem, options);
+    ASSERT_EQ(summary.searched.size(), 1u);
+    EXPECT_EQ(summary.searched[0].unknowns, std::vector<std::size_t>{1});
+    EXPECT_GT(summary.search_seconds, 0);
+
+    const auto setup = make_setup(problem, options);
+    ASSERT_EQ(unsearched(setup).textures.size(), 1u);
+    EXPECT_EQ(unsearched(setup).textures[0].values, make_image(16, 16, 1, 0.5f));
+    Theta theta = initial_theta(setup);
+    theta.textures[0].values = make_image(16, 16, 1, 0.3f);
+    EXPECT_EQ(unsearched(setup, &theta).textures[0].values, make_image(16, 16, 1, 0.3f));
 }
 
 /// The tiles of several views side by side: as one view after the other.
