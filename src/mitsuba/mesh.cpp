@@ -44,6 +44,19 @@ std::vector<Vec3f> smooth_normals(const Mesh& mesh) {
     return normals;
 }
 
+std::size_t fill_zero_normals(Mesh& mesh) {
+    const Vec3f zero{0, 0, 0};
+    if (std::find(mesh.normals.begin(), mesh.normals.end(), zero) == mesh.normals.end()) return 0;
+    std::vector<char> has_face(mesh.normals.size());
+    for (const Triangle& t : mesh.triangles)
+        for (const std::uint32_t v : t.vertex) has_face[v] = 1;
+    const std::vector<Vec3f> around = smooth_normals(mesh);
+    std::size_t count = 0;
+    for (std::size_t v = 0; v < mesh.normals.size(); ++v)
+        if (mesh.normals[v] == zero) mesh.normals[v] = around[v], count += has_face[v] != 0;
+    return count;
+}
+
 Mesh finish_mesh(Mesh mesh, const MeshOptions& options) {
     const Transform to_local = options.to_local.value_or(inverse(options.to_world));
     if (options.face_normals) mesh.normals.clear();
@@ -51,7 +64,7 @@ Mesh finish_mesh(Mesh mesh, const MeshOptions& options) {
     for (Vec3f& p : mesh.positions) p = transform_point(options.to_world, p);
     for (Vec3f& n : mesh.normals) {
         n = transform_normal(to_local, n);
-        if (!is_finite(n)) n = {1, 0, 0};  // a zero normal in the file
+        if (!is_finite(n)) n = {1, 0, 0};  // its length underflows
     }
     if (mesh.normals.empty() && !options.face_normals) mesh.normals = smooth_normals(mesh);
     if (options.flip_normals) {

@@ -59,9 +59,9 @@ MeshFile read_mesh_file(const std::filesystem::path& file, Properties& propertie
     }
 }
 
-/// Says which corners of an OBJ mesh lack what others have.
+/// Says what an OBJ mesh lacks at some corners, and which normals are none.
 void warn_of_corners(Loader& loader, const Properties& properties, const MeshFile& file,
-                     bool face_normals) {
+                     std::size_t zero_normals, bool face_normals) {
     const auto warn = [&](std::size_t missing, const char* what, const char* taken) {
         if (missing > 0)
             log_warning(loader, properties.node->place,
@@ -69,8 +69,13 @@ void warn_of_corners(Loader& loader, const Properties& properties, const MeshFil
                                     missing, what, taken));
     };
     warn(file.corners_without_uv, "texture coordinates", "read as 0 0");
-    if (!face_normals)
-        warn(file.corners_without_normal, "normals", "computed from the faces around them");
+    if (face_normals) return;
+    warn(file.corners_without_normal, "normals", "computed from the faces around them");
+    if (zero_normals > 0)
+        log_warning(loader, properties.node->place,
+                    fmt::format("{} vertices have the normal 0 0 0: computed from the faces around "
+                                "them",
+                                zero_normals));
 }
 
 Mesh load_mesh(Loader& loader, Properties& properties) {
@@ -79,7 +84,8 @@ Mesh load_mesh(Loader& loader, Properties& properties) {
     const bool flip_uvs = take_boolean(properties, "flip_tex_coords", properties.type == "obj");
     MeshFile file =
         read_mesh_file(resolve_file(loader.document, properties.node->place, name), properties);
-    warn_of_corners(loader, properties, file, options.face_normals);
+    const std::size_t zero_normals = fill_zero_normals(file.mesh);
+    warn_of_corners(loader, properties, file, zero_normals, options.face_normals);
     if (flip_uvs)
         for (Vec2f& uv : file.mesh.uvs) uv.y = 1 - uv.y;
     loader.attributes.attributes = std::move(file.attributes);

@@ -264,6 +264,34 @@ TEST(Obj, CornersKeepTheNormalsThatTheyHave) {
     EXPECT_TRUE(warnings("<boolean name='face_normals' value='true'/>").empty());
 }
 
+TEST(MeshNormals, ThatAreZeroAreThoseOfTheFacesAround) {
+    const TemporaryFolder folder;
+    const std::string squares =
+        "v -1 -1 0\nv 0 -1 0\nv 0 1 0\nv -1 1 0\nv 1 -1 0\nv 1 1 0\n"
+        "v 9 9 9\nvn 0.6 0 0.8\nvn 0 0 0\nf 1//1 2//2 3//2 4//1\n"
+        "f 2//2 5//1 6//1 3//2\n";
+    const auto path = write_text(folder, "a.obj", squares);
+    Mesh mesh = read_obj_file(path).mesh;
+    EXPECT_EQ(fill_zero_normals(mesh), 2u);
+    EXPECT_EQ(fill_zero_normals(mesh), 0u);
+    std::size_t up = 0;
+    for (const Vec3f& n : mesh.normals) {
+        EXPECT_TRUE(n == (Vec3f{0, 0, 1}) || n == (Vec3f{0.6f, 0, 0.8f}));
+        up += n == Vec3f{0, 0, 1};
+    }
+    EXPECT_EQ(up, 2u);
+    const auto warnings = [&](const std::string& flag) {
+        return load_text(folder,
+                         "<emitter type='constant'/><shape type='obj'><string name='filename' "
+                         "value='a.obj'/>" +
+                             flag + "</shape>")
+            .warnings;
+    };
+    ASSERT_EQ(warnings("").size(), 1u);
+    EXPECT_NE(warnings("")[0].find("2 vertices have the normal 0 0 0"), std::string::npos);
+    EXPECT_TRUE(warnings("<boolean name='face_normals' value='true'/>").empty());
+}
+
 TEST(Obj, MessagesSayWhere) {
     const TemporaryFolder folder;
     const auto expect = [&](std::string text, const std::string& from, const std::string& to,
