@@ -30,6 +30,8 @@ void check_shared_textures(const Scene& scene, Findings& findings);
 void check_resolution(const Scene& scene, std::span<const double> pixels, Findings& findings);
 /// Closed meshes whose normals point inwards, and normals that contradict their triangles.
 void check_orientations(const TracedScene& traced, Findings& findings);
+/// Shapes with parameters that rays begin visibly off.
+void check_places(const Scene& scene, Findings& findings);
 /// Lights that one surface keeps from everything else.
 void check_enclosed_lights(const TracedScene& traced, Findings& findings);
 /// Materials that no shape has.

@@ -277,6 +277,7 @@ SceneFacts inspect(const TracedScene& traced, std::span<const TracedScene> views
     check_shared_textures(scene, facts.findings);
     check_materials(scene, facts.findings);
     check_orientations(traced, facts.findings);
+    check_places(scene, facts.findings);
     check_enclosed_lights(traced, facts.findings);
     add_what_is_seen(traced, views, facts);
     facts.seconds = seconds_of_a_pass(traced);

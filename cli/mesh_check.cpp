@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "core/vec.h"
+#include "paths/surface.h"
 #include "shading/texture.h"
 
 namespace burnish {
@@ -125,17 +126,9 @@ float farthest(const Box& box) {
     return far;
 }
 
-/// Of a mesh that lies so far away that rounding bends it; empty: it does not.
-std::string complaint_of_place(const MeshCheck& check) {
-    constexpr double kTimes = 1e4;
-    const float far = farthest(check.box);
-    const double extent = extent_of(check);
-    if (!(extent > 0 && double{far} > kTimes * extent)) return {};
-    const double rounding = 0.5 * (double{far} - double{std::nextafter(far, 0.0f)});
-    return fmt::format(
-        "the mesh lies {:.0f} times its own size from the origin, where single precision moves its "
-        "vertices by up to {:.2g}: move it, and the cameras, to the origin",
-        double{far} / extent, rounding);
+double extent_of(const Box& box) {
+    const Vec3<double> d = to_double(box.size());
+    return std::max({d.x, d.y, d.z});
 }
 
 double share_of(std::size_t part, const MeshCheck& check) {
@@ -186,9 +179,19 @@ CoveredShares shares_of(const UvCovers& covers) {
             used > 0 ? static_cast<double>(overlapping) / static_cast<double>(used) : 0};
 }
 
-double extent_of(const MeshCheck& check) {
-    const Vec3<double> d = to_double(check.box.size());
-    return std::max({d.x, d.y, d.z});
+std::string complaint_of_place(const Box& box) {
+    constexpr double kMost = 0.01;  // of its size: corners and contact shadows are seen to change
+    const double far = double{farthest(box)}, extent = extent_of(box);
+    const double offset = double{kRayOffset} * (1 + far);
+    if (!(extent > 0 && offset > kMost * extent)) return {};
+    if (far < 1)
+        return fmt::format(
+            "is {:.3g} units large, and rays begin {:.2g} off its surface: scale the scene up",
+            extent, offset);
+    return fmt::format(
+        "lies {:.0f} times its own size from the origin, where rays begin up to {:.2g} off its "
+        "surface: move it, and the cameras, to the origin",
+        far / extent, offset);
 }
 
 MeshCheck check_mesh(const Mesh& mesh, int texture_size) {
@@ -235,11 +238,11 @@ std::vector<std::string> complaints(const MeshCheck& check) {
     if (share_of(check.without_area, check) > kFew)
         all.push_back(
             fmt::format("{} of {} triangles have no area", check.without_area, check.triangles));
-    const double extent = extent_of(check);
-    if (extent < 1e-3 || extent > 1e4)
+    if (const double extent = extent_of(check.box); extent > 1e4)
         all.push_back(fmt::format(
-            "the mesh is {:.3g} units large: expected 0.001 to 10000, scale it", extent));
-    if (std::string text = complaint_of_place(check); !text.empty()) all.push_back(std::move(text));
+            "the mesh is {:.3g} units large: expected at most 10000, scale it", extent));
+    if (const std::string text = complaint_of_place(check.box); !text.empty())
+        all.push_back("the mesh " + text);
     return all;
 }
 

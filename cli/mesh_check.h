@@ -37,8 +37,9 @@ struct CoveredShares {
 };
 CoveredShares shares_of(const UvCovers& covers);
 
-/// The largest extent of the box.
-double extent_of(const MeshCheck& check);
+/// Of a surface so small, or so far from the origin, that rays begin visibly off it: what it is,
+/// and what to do, as in "lies 500 times its own size from the origin, ..."; empty: it is not.
+std::string complaint_of_place(const Box& box);
 
 /// texture_size: of the texels that are counted, on a side. Without texture coordinates, what
 /// belongs to these stays 0.

@@ -78,15 +78,17 @@ SurfaceOf<T> triangle_surface(const TriangleOf<T>& r, const T& u, const T& v) {
             frame_from_tangent(point.shading_normal, r.dp_du), triangle_uv(r, u, v)};
 }
 
+/// How far off a surface rays begin, over 1 + the largest coordinate: 1500 ulps, as positions are
+/// interpolated and transformed in float.
+inline constexpr float kRayOffset = 8.9e-5f;
+
 /// The origin of a ray that leaves `surface` towards `direction`, moved off the surface by a
 /// distance that covers the rounding of the position.
 template <class T>
 Vec3<T> leave_surface(const Vec3<T>& position, const Vec3<T>& geometric_normal,
                       const Vec3<T>& direction) {
-    // 1500 ulps: positions are interpolated and transformed in float.
-    constexpr float kRelative = 8.9e-5f;
     const T largest = max(abs(position.x), max(abs(position.y), abs(position.z)));
-    const T offset = (T(1.0f) + largest) * T(kRelative);
+    const T offset = (T(1.0f) + largest) * T(kRayOffset);
     return position + geometric_normal * mulsign(offset, dot(geometric_normal, direction));
 }
 

@@ -114,6 +114,29 @@ TEST_F(CommandLine, InfoNamesTexturesAndLights) {
         << outcome.err;
 }
 
+TEST_F(CommandLine, InfoSaysWhereRaysBeginVisiblyOffAShape) {
+    write_image(folder / "t.png", make_image(2, 2, 3, 0.5f));
+    const auto info = [&](const std::string& to_world, const char* reflectance) {
+        write_text(folder / "far.xml",
+                   "<scene version='3.0.0'><integrator type='direct'/><emitter type='constant'/>"
+                   "<sensor type='perspective'/><shape type='rectangle' id='sheet'><transform "
+                   "name='to_world'>" +
+                       to_world + "</transform><bsdf type='diffuse'>" + reflectance +
+                       "</bsdf></shape></scene>");
+        return run("info far.xml").out;
+    };
+    constexpr const char* kTexture =
+        "<texture name='reflectance' type='bitmap'><string name='filename' value='t.png'/>"
+        "</texture>";
+    const std::string far = info("<translate x='999'/>", kTexture),
+                      small = info("<scale value='0.001'/>", kTexture);
+    EXPECT_TRUE(contains(far, "shape 'sheet' lies 500 times its own size from the origin")) << far;
+    EXPECT_TRUE(contains(small, "shape 'sheet' is 0.002 units large, and rays begin")) << small;
+    for (const std::string& near :
+         {info("<translate x='99'/>", kTexture), info("<translate x='999'/>", "")})
+        EXPECT_FALSE(contains(near, "rays begin")) << near;
+}
+
 TEST_F(CommandLine, InfoKnowsThatMaterialsWithinOthersAreUsed) {
     for (const char* scene : {"mask", "blend", "room_0_6"}) {
         const std::string text =

@@ -810,16 +810,22 @@ TEST(MeshCheck, SaysWhatIsWrong) {
     }
 }
 
-TEST(MeshCheck, SaysWhereSinglePrecisionBendsAMeshThatLiesFarAway) {
+TEST(MeshCheck, SaysWhereRaysBeginVisiblyOffAMesh) {
     const auto moved = [](float by) {
         Mesh mesh = unwrapped_cube();
         for (Vec3f& p : mesh.positions) p.y -= by;
         return complaints_of(mesh);
     };
-    EXPECT_EQ(moved(20), "");
-    EXPECT_TRUE(contains(moved(199999), "lies 100000 times its own size from the origin"))
-        << moved(199999);
-    EXPECT_TRUE(contains(moved(199999), "moves its vertices by up to 0.0078:")) << moved(199999);
+    EXPECT_EQ(moved(200), "");
+    EXPECT_TRUE(contains(moved(999),
+                         "lies 500 times its own size from the origin, where rays "
+                         "begin up to 0.089 off its surface: move it"))
+        << moved(999);
+    Mesh small = unwrapped_cube();
+    for (Vec3f& p : small.positions) p = p * 0.001f;
+    EXPECT_TRUE(contains(complaints_of(small),
+                         "is 0.002 units large, and rays begin 8.9e-05 off its surface: scale"))
+        << complaints_of(small);
 }
 
 TEST_F(NewSceneTest, SaysWhatAGlbLacks) {
