@@ -149,6 +149,8 @@ TEST_F(DamagedImages, WhatIsNotKnownIsNotCalledDamaged) {
     expect("TGA", palette, "found a palette that begins with colour 2, expected 0");
     for (const char* size : {"+Y 14 +X 20", "-Y 14 -X 20", "+X 20 -Y 14", "-X 20 +Y 14"})
         expect("HDR", std::string(hdr).replace(hdr.find("-Y"), 11, size), size);
+    expect("HDR", std::string(hdr).replace(hdr.find("rle_rgbe"), 8, "rle_xyze"),
+           "found \"FORMAT=32-bit_rle_xyze\", expected FORMAT=32-bit_rle_rgbe");
     const std::size_t pixels = hdr.find("+X 20\n") + 6;
     expect("HDR", std::string(hdr).replace(pixels + 4, 4, "\1\1\1\3"),
            "found a run of whole pixels");

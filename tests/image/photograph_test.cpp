@@ -140,6 +140,26 @@ TEST_F(Photographs, AlphaIsTheMask) {
     EXPECT_FALSE(read_photograph(write("b.png", make_png({}))).has_alpha);
 }
 
+TEST_F(Photographs, NumbersBeyondTheRangeAreKeptOrClamped) {
+    const std::string file = (folder / "a.exr").string();
+    Image image = make_image(3, 1, 3, 0.5f);
+    image.at(1, 0, 2) = -2;
+    write_image(file, image);
+    EXPECT_FALSE(read_photograph(file).is_gray) << "by its last channel alone";
+    image.at(0, 0, 1) = -0.5f;
+    write_image(file, image);
+    const Photograph p = read_photograph(file, GammaEncoding{2});
+    EXPECT_EQ(p.negative_pixels, 2u);
+    EXPECT_FLOAT_EQ(p.image.at(0, 0, 1), -0.25f);
+    EXPECT_FLOAT_EQ(p.image.at(1, 0, 2), -4);
+    EXPECT_FLOAT_EQ(p.image.at(2, 0, 0), 0.25f);
+
+    const Image alpha{3, 1, 1, {-1, 0.25f, 3}};
+    make_exr(folder / "b.exr", alpha, {.channels = {"R", "G", "B", "A"}});
+    EXPECT_EQ(read_photograph((folder / "b.exr").string()).mask.values,
+              (std::vector<float>{0, 0.25f, 1}));
+}
+
 TEST_F(Photographs, AreUpright) {
     // A red corner at the upper left of what is seen, a green one to the right of it.
     Image seen = make_image(40, 24, 3, 0.1f);
@@ -168,6 +188,23 @@ TEST_F(Photographs, AreUpright) {
     EXPECT_EQ(oriented(stored, 6).at(39, 0, 0), 1);
     EXPECT_EQ(oriented(stored, 8).at(0, 23, 0), 1);
     EXPECT_EQ(oriented(stored, 3).at(23, 39, 0), 1);
+}
+
+TEST_F(Photographs, WhatIsClippedIsTurnedWithThePicture) {
+    Image seen = make_image(40, 24, 3, 0.1f);  // white at the upper left, in whole blocks of JPEG
+    for (int y = 0; y < 8; ++y)
+        for (int x = 0; x < 16; ++x)
+            for (int c = 0; c < 3; ++c) seen.at(x, y, c) = 1;
+    for (int orientation = 1; orientation <= 8; ++orientation) {
+        const int inverse = orientation == 6 ? 8 : orientation == 8 ? 6 : orientation;
+        const std::string jpeg = make_jpeg(oriented(seen, inverse), 3, false);
+        const Photograph p =
+            read_photograph(write("a.jpg", with_segment(jpeg, exif(orientation, true))));
+        ASSERT_EQ(p.clipped.width, 40) << orientation;
+        for (int y = 0; y < 24; ++y)
+            for (int x = 0; x < 40; ++x)
+                ASSERT_EQ(p.clipped.at(x, y, 0), x < 16 && y < 8 ? 1 : 0) << orientation;
+    }
 }
 
 TEST_F(Photographs, OtherExifDataIsLeftAlone) {

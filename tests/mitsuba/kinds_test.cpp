@@ -82,6 +82,19 @@ TEST(Kinds, AnEnvironmentOfTwoRowsHasThree) {
                 EXPECT_EQ(sky.at(x, y, c), rows.at(x, std::min(y, 1), c)) << y;
 }
 
+TEST(Kinds, AnEnvironmentOfCodesIsDecoded) {
+    const TemporaryFolder folder;
+    for (const char* name : {"sky.png", "sky.exr"}) {
+        write_image(folder.path / name, make_image(4, 3, 3, 0.5f));
+        const Scene scene =
+            load_text(folder, "<emitter type='envmap'><string name='filename' value='" +
+                                  std::string(name) + "'/></emitter>")
+                .scene;
+        EXPECT_NEAR(std::get<EnvironmentEmitter>(scene.emitters[0]).image->values[5], 0.5f, 0.005f)
+            << name;
+    }
+}
+
 TEST(Kinds, TexturesOfLightsAreNoUnknownsAndMayBeBright) {
     const TemporaryFolder folder;
     write_image(folder.path / "bright.exr", make_image(4, 2, 3, 7.0f));
@@ -474,6 +487,19 @@ TEST(Kinds, CamerasAndPixelFormats) {
                   std::string::npos)
             << moved.warnings[0];
     }
+}
+
+TEST(Kinds, SamplesAreThoseOfTheFirstSensor) {
+    const TemporaryFolder folder;
+    const auto sensor = [](const std::string& count) {
+        return "<sensor type='perspective'><sampler type='independent'><integer "
+               "name='sample_count' value='" +
+               count + "'/></sampler></sensor>";
+    };
+    const Scene scene =
+        load_text(folder, "<integrator type='direct'/>" + kSky + sensor("8") + sensor("32")).scene;
+    ASSERT_EQ(scene.sensors.size(), 2u);
+    EXPECT_EQ(scene.sample_count, 8);
 }
 
 // ---- what is left out

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <numbers>
 
 #include "image/image.h"
 #include "mitsuba/spectra.h"
@@ -380,6 +381,27 @@ TEST(Language, TexturesOfEveryEncoding) {
     EXPECT_EQ(linear_image(raw).values[11], 64 / 255.0f);
     const Bitmap exr = bitmap("<string name='filename' value='a.exr'/>");
     EXPECT_EQ(exr.values, std::vector<float>(12, 0.25f));
+
+    std::filesystem::copy_file(BURNISH_TEST_DATA "/tables/texture_gray16.png",
+                               folder.path / "b.png");
+    const std::string deep = "<string name='filename' value='b.png'/>";
+    const Bitmap codes = bitmap(deep + "<boolean name='raw' value='true'/>"),
+                 decoded = bitmap(deep);
+    ASSERT_EQ(codes.values.size(), 24u);
+    for (std::size_t i = 0; i < 24; ++i)
+        EXPECT_EQ(decoded.values[i], srgb_to_linear(codes.values[i]));
+    EXPECT_NE(decoded.values, codes.values);
+}
+
+TEST(Language, BoardsHaveMitsubasColours) {
+    const TemporaryFolder folder;
+    const LoadedScene loaded =
+        load_text(folder, kLight +
+                              "<bsdf type='diffuse' id='m'><texture type='checkerboard' "
+                              "name='reflectance'/></bsdf>");
+    const auto& board = std::get<Checkerboard>(loaded.scene.textures.at(0));
+    EXPECT_EQ(board.color0, (Rgbf{0.4f, 0.4f, 0.4f}));
+    EXPECT_EQ(board.color1, (Rgbf{0.2f, 0.2f, 0.2f}));
 }
 
 TEST(Language, FilmSizeCanBeReplaced) {
@@ -394,6 +416,21 @@ TEST(Language, FilmSizeCanBeReplaced) {
     EXPECT_EQ(loaded.scene.film.height, 32);
     EXPECT_TRUE(mentions(loaded.notes, "its crop window is dropped"));
     EXPECT_EQ(load_text(folder, text).scene.film.crop_width, 10);
+}
+
+TEST(Language, ACropWindowWithoutASizeReachesToTheEdges) {
+    const TemporaryFolder folder;
+    const Film film =
+        load_text(folder,
+                  "<emitter type='constant'/><sensor type='perspective'><film type='hdrfilm'>"
+                  "<integer name='width' value='100'/><integer name='height' value='50'/>"
+                  "<integer name='crop_offset_x' value='30'/><integer name='crop_offset_y' "
+                  "value='20'/></film></sensor>")
+            .scene.film;
+    EXPECT_EQ(film.crop_x, 30);
+    EXPECT_EQ(film.crop_y, 20);
+    EXPECT_EQ(film.crop_width, 70);
+    EXPECT_EQ(film.crop_height, 30);
 }
 
 TEST(Language, ABorderOfSamplesIsWarnedOf) {
@@ -416,10 +453,14 @@ TEST(Language, MatricesAndPoints) {
                               "<emitter type='point'><transform name='to_world'><matrix value='0 1 "
                               "0 1 0 0 0 1 0'/>"
                               "<translate value='1, 2, 3'/></transform></emitter>"
-                              "<emitter type='point'><point name='position' y='4'/></emitter>")
+                              "<emitter type='point'><point name='position' y='4'/></emitter>"
+                              "<emitter type='point'><transform name='to_world'>"
+                              "<translate value='1, 2, 3'/><matrix value='0 1 0 0 0 1 2 0 0'/>"
+                              "</transform></emitter>")
             .scene;
     EXPECT_EQ(std::get<PointEmitter>(scene.emitters[1]).position, (Vec3f{1, 2, 3}));
     EXPECT_EQ(std::get<PointEmitter>(scene.emitters[2]).position, (Vec3f{0, 4, 0}));
+    EXPECT_EQ(std::get<PointEmitter>(scene.emitters[3]).position, (Vec3f{2, 3, 2})) << "by rows";
 }
 
 TEST(Language, NumbersTooCloseToZeroAreZero) {
@@ -445,6 +486,19 @@ TEST(Language, ASceneWithoutSensorIsSeenWhole) {
     EXPECT_LT(near.near_clip, 1e-4f) << "the cube begins 0.0024 in front of the camera";
     EXPECT_GT(near.near_clip, 0.0f);
     EXPECT_TRUE(mentions(load_text(folder, "<shape type='cube'/>").warnings, "no emitter"));
+
+    // A box that is wide, low, and not around the origin: its near side fills the picture.
+    const PerspectiveCamera camera =
+        load_text(folder,
+                  "<shape type='cube'><transform name='to_world'><scale x='3' y='0.5' z='1'/>"
+                  "<translate x='10' y='20' z='30'/></transform></shape>")
+            .scene.camera;
+    const double distance = 3 / std::tan(camera.fov_x / 2 * std::numbers::pi / 180);
+    const Vec3f seen_from = transform_point(camera.to_world, {0, 0, 0});
+    EXPECT_NEAR(seen_from.x, 10, 1e-4f);
+    EXPECT_NEAR(seen_from.y, 20, 1e-4f);
+    EXPECT_NEAR(seen_from.z, 29 - distance, 1e-4f);
+    EXPECT_GT(camera.far_clip, distance + 2);
 }
 
 }  // namespace

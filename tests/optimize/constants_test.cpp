@@ -111,6 +111,15 @@ TEST(Constants, WhatIsWrongIsSaid) {
     }
 }
 
+TEST(Constants, SizesAreOfAtMost16384TexelsASide) {
+    EXPECT_EQ(split_size("m:16384").height, 16384);
+    EXPECT_EQ(split_size("m:1x16384").height, 16384);
+    for (const char* text : {"m:16385", "m:1x16385", "m:0", "m:0x1", "m:1x"}) {
+        EXPECT_EQ(split_size(text).name, text);
+        EXPECT_EQ(split_size(text).width, 0) << text;
+    }
+}
+
 /// The derivative by one value is the sum of those by the texels that stand for it.
 TEST(Constants, TheGradientIsTheSumOverTexels) {
     PathCache cache;

@@ -9,6 +9,9 @@
 #include "burnish/error.h"
 #include "optimize/option_table.h"
 #include "optimize/small_problem.h"
+#include "optimize/state_cases.h"
+#include "optimize/without_effect.h"
+#include "render/renderer.h"
 
 namespace burnish {
 namespace {
@@ -57,13 +60,47 @@ TEST(Setup, GatesStepsWhereAGradientIsSplitAndThereAreLevels) {
 /// All pixels tell a constant: what they say is no noise.
 TEST(Setup, DoesNotGateAConstant) {
     Scene scene = test::make_small_scene();
-    scene.textures[0] = make_bitmap(1, 3, TextureFilter::kNearest, 0, 1, 1);
+    scene.textures[0] = test::make_bitmap(1, 3, TextureFilter::kNearest, 0, 1, 1);
     Options options;
     const auto adam = [&] { return make_setup(test::problem_of(scene), options).unknowns[0].adam; };
     EXPECT_FALSE(adam().gate);
     EXPECT_FLOAT_EQ(adam().initial_rate, 0.02f);
     options.adam.gate = true;
     EXPECT_TRUE(adam().gate);
+}
+
+TEST(Setup, TexturesThatRepeatHaveNoBorders) {
+    for (const TextureWrap wrap :
+         {TextureWrap::kRepeat, TextureWrap::kMirror, TextureWrap::kClamp}) {
+        Scene scene = test::make_small_scene();
+        std::get<Bitmap>(scene.textures[0]).wrap = wrap;
+        Options options;
+        const auto repeats = [&] {
+            return make_setup(test::problem_of(scene), options)
+                .unknowns[0]
+                .maps.prolongation.repeats;
+        };
+        EXPECT_EQ(repeats(), wrap == TextureWrap::kRepeat);
+    }
+}
+
+/// Half of it for each of two unknowns of one material.
+TEST(Setup, ChoosesALearningRateByTheStart) {
+    Problem problem = small_problem();
+    for (Unknown& u : problem.unknowns) u.learning_rate = 0;
+    problem.unknowns[0].start = 0.5f, problem.unknowns[1].start = SearchStart{};
+    const auto setup = make_setup(problem, {});
+    EXPECT_FLOAT_EQ(setup.unknowns[0].adam.learning_rate, 0.005f);
+    EXPECT_LE(setup.unknowns[1].adam.learning_rate, 0.0025f);
+}
+
+TEST(Setup, ABatchOfAllViewsHasAnEffect) {
+    const Problem problem = small_problem();
+    const Scene& scene = *problem.renderer.data().traced.scene;
+    Options options;
+    options.batch = 3;
+    EXPECT_TRUE(options_without_effect(options, scene, {}, 3).empty());
+    EXPECT_EQ(options_without_effect(options, scene, {}, 2).size(), 1u);
 }
 
 /// Expects that a change of a good problem is refused.
@@ -85,6 +122,11 @@ TEST(Setup, RefusesProblemsThatDoNotFit) {
     expect_refused("channels", [](P& p, O&) { p.views[0].image = make_image(16, 16, 1); });
     expect_refused("mask", [](P& p, O&) { p.views[0].mask = make_image(16, 15, 1); });
     expect_refused("mask", [](P& p, O&) { p.views[0].mask = make_image(16, 16, 2); });
+    expect_refused("no pixel of a view that is fitted", [](P& p, O&) {
+        p.views.push_back(p.views[0]);
+        p.views[1].held_out = true;
+        p.views[0].mask = make_image(16, 16, 1);
+    });
     expect_refused("no unknown", [](P& p, O&) { p.unknowns.clear(); });
     expect_refused("twice", [](P& p, O&) { p.unknowns[1] = p.unknowns[0]; });
     expect_refused("name", [](P& p, O&) { p.unknowns[0].name = "nothing"; });
@@ -251,6 +293,16 @@ TEST(Setup, RefusesOptionsOutOfTheRangeOfTheTable) {
         const bool takes_all = row.info.range.low == 0 &&
                                row.info.range.high == std::numeric_limits<std::uint32_t>::max();
         EXPECT_EQ(tried > 0, !takes_all) << row.info.name;
+    }
+}
+
+TEST(Setup, RangesHoldTheirBounds) {
+    for (const OptionRow& row : option_table()) {
+        if (!is_number(row)) continue;
+        const Range& range = row.info.range;
+        EXPECT_EQ(complaint(row, std::to_string(range.high)), "") << row.info.name;
+        EXPECT_EQ(complaint(row, std::to_string(range.low)).empty(), !range.above_low)
+            << row.info.name;
     }
 }
 

@@ -84,6 +84,7 @@ TEST(State, SolveGoesOnFromTheStateOfItsSummary) {
         const Summary second = solve(test::state_problem(), options, first.state);
         ASSERT_EQ(second.iterations.size(), test::kAll - test::kStored);
         EXPECT_EQ(second.iterations.front().number, test::kStored);
+        EXPECT_NE(second.start.loss, first.start.loss) << name << ": it starts at the state";
         EXPECT_EQ(second.iterations.back().loss, whole.iterations.back().loss) << name;
         EXPECT_TRUE(second.state == whole.state) << name;
         for (std::size_t u = 0; u < 2; ++u) {

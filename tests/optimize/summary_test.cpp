@@ -162,6 +162,26 @@ TEST(Summary, SaysWhatEndedTheRun) {
     EXPECT_EQ(again.iterations.size(), 60u) << "patience counts from the state";
 }
 
+/// Of checks that find 5, 6, 4, 6, 6 the third starts the count of those in a row anew.
+TEST(Summary, ALowerLossBringsPatienceBack) {
+    Problem problem = sky_problem();
+    const std::array<double, 5> found{5, 6, 4, 6, 6};
+    std::size_t checks = 0;
+    int calls = 0;  // in an iteration: its own, then the one of a check
+    problem.loss = [&](const Image& image, std::size_t) {
+        const bool is_check = ++calls == 2 && checks < found.size();
+        return LossValue{is_check ? found[checks++] : 1, make_image(image.width, image.height, 3)};
+    };
+    Options options = an_option_of_each()[2];
+    options.stop.patience = 2, options.stop.iterations = 1000;
+    const Summary summary = solve(problem, options, [&](const Iteration&) {
+        calls = 0;
+        return Continue;
+    });
+    EXPECT_EQ(summary.ending, Ending::kPatience);
+    EXPECT_EQ(summary.counts.iterations, 100u);
+}
+
 TEST(Iteration, SecondsOfASolverAreThoseOfItsSteps) {
     Options options = an_option_of_each()[2];
     options.stop.seconds = 1e6;
@@ -408,6 +428,13 @@ TEST(Evaluation, SamplesOfTheResultFollowFromTheWork) {
     EXPECT_EQ(result_samples(5 * 1e6, 1e6), 4u) << "four million of a short run";
     EXPECT_EQ(result_samples(400 * 2e6, 2e6), 80u) << "a fifth as many as iterations";
     EXPECT_EQ(result_samples(400 * 2e6, 8 * 2e6), 10u) << "one view an iteration of eight";
+}
+
+TEST(Evaluation, SamplesOfTheStartFallWithTheNumberOfViews) {
+    EXPECT_EQ(start_samples(1), 8u);
+    EXPECT_EQ(start_samples(8), 8u);
+    EXPECT_EQ(start_samples(16), 4u);
+    EXPECT_EQ(start_samples(1000), 2u);
 }
 
 }  // namespace

@@ -59,6 +59,20 @@ TEST(Views, EachEpochVisitsEachOnceInAnOrderOfItsOwn) {
     EXPECT_EQ(batch_of(setup_of_views(3, 7), 0).size(), 3u);
 }
 
+TEST(Views, AnotherSeedVisitsThemInAnotherOrder) {
+    const auto order_of = [](std::uint32_t batch, std::uint32_t seed) {
+        burnish::Setup setup = setup_of_views(12, batch);
+        setup.options.seed = seed;
+        std::vector<std::vector<std::size_t>> order;
+        for (std::uint32_t i = 0; i < 12; ++i) order.push_back(batch_of(setup, i));
+        return order;
+    };
+    for (const std::uint32_t batch : {1u, 4u, 5u}) {
+        EXPECT_EQ(order_of(batch, 1), order_of(batch, 1));
+        EXPECT_NE(order_of(batch, 1), order_of(batch, 2)) << batch;
+    }
+}
+
 TEST(Views, ABatchThatDividesThemTakesOneOfEachRun) {
     const burnish::Setup setup = setup_of_views(12, 4);
     for (std::uint32_t i = 0; i < 30; ++i) {

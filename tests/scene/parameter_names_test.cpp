@@ -61,9 +61,32 @@ TEST(ParameterNames, UnknownNamesListTheNearest) {
         "no parameter is called 'base_colour', did you mean: mat-tire.brdf_0.base_color.data");
 }
 
+/// "metalic" is one letter from one name and two from the other.
+TEST(ParameterNames, NamesThatAreNearlyAsNearAreListedBehindTheNearest) {
+    const std::vector<Parameter> parameters{{"m.metallics.data", TextureId{0}},
+                                            {"m.metallic.data", TextureId{1}},
+                                            {"m.roughness.data", TextureId{2}}};
+    try {
+        find_parameter(parameters, "metalic");
+        ADD_FAILURE() << "expected an InputError";
+    } catch (const InputError& error) {
+        EXPECT_STREQ(error.what(),
+                     "no parameter is called 'metalic', did you mean: m.metallic.data, "
+                     "m.metallics.data");
+    }
+}
+
 TEST(ParameterNames, NamesFarFromAllListAll) {
     const std::string error = error_of("xyzzyxyzzy");
     for (const Parameter& p : kParameters) EXPECT_NE(error.find(p.name), std::string::npos);
+}
+
+TEST(ParameterNames, LongListsEndWithHowManyAreLeft) {
+    std::vector<std::string> names(12, "a");
+    EXPECT_EQ(list_of({}), "");
+    EXPECT_EQ(list_of(names), "a, a, a, a, a, a, a, a, a, a, a, a");
+    names.insert(names.end(), {"b", "b"});
+    EXPECT_EQ(list_of(names), "a, a, a, a, a, a, a, a, a, a, a, a and 2 more");
 }
 
 TEST(ParameterNames, EditDistance) {

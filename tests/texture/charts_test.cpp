@@ -66,6 +66,19 @@ TEST(Charts, AreOneAcrossAnEdgeWithEqualVerticesAndTwoAcrossOneWithOthers) {
     EXPECT_EQ(charts_in(texture_charts(scene_of({left, right}, 16, 8), {0}), 16, 0, 16).size(), 2u);
 }
 
+/// Two quads with an edge in common, whose texture coordinates are those of two islands: a seam.
+TEST(Charts, AreTwoOnBothSidesOfASeam) {
+    Mesh mesh = quad(0, 0.125f, 0, 0.375f, 1);
+    const Mesh right = quad(1, 0.625f, 0, 0.875f, 1);
+    mesh.positions.insert(mesh.positions.end(), right.positions.begin(), right.positions.end());
+    mesh.uvs.insert(mesh.uvs.end(), right.uvs.begin(), right.uvs.end());
+    mesh.triangles.push_back({{4, 5, 6}});
+    mesh.triangles.push_back({{4, 6, 7}});
+    const ChartMap map = texture_charts(scene_of({mesh}, 32, 16), {0});
+    EXPECT_EQ(charts_in(map, 32, 4, 12), std::set<std::uint32_t>{1});
+    EXPECT_EQ(charts_in(map, 32, 20, 28), std::set<std::uint32_t>{2});
+}
+
 TEST(Charts, AreOneWhereTheyOverlap) {
     const Scene scene = scene_of({quad(0, 0, 0, 0.6f, 1), quad(2, 0.4f, 0, 1, 1)}, 20, 4);
     EXPECT_EQ(charts_in(texture_charts(scene, {0}), 20, 0, 20), std::set<std::uint32_t>{1});

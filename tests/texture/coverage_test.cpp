@@ -95,6 +95,26 @@ TEST(Unvisited, AreFilledFromTheirOwnChart) {
         EXPECT_FLOAT_EQ(texels.values[i], i % 16 < 8 ? 0.2f : 0.8f) << i;
 }
 
+/// The border of two charts lies within texels of the coarser levels: none of them mixes the two.
+TEST(Unvisited, AreFilledFromTheirOwnChartWhereCoarseTexelsHoldTwo) {
+    Image texels = make_image(16, 8, 1, 0.5f);
+    ChartMap charts(128);
+    std::vector<std::uint32_t> visits(128, 0);
+    for (std::size_t i = 0; i < 128; ++i) {
+        const std::size_t x = i % 16;
+        charts[i] = x < 7 ? 1 : 2;
+        visits[i] = x < 2 || x >= 7;
+        if (visits[i]) texels.values[i] = x < 7 ? 0.2f : 0.8f;
+    }
+    fill_unvisited(visits, charts, false, texels);
+    for (std::size_t i = 0; i < 128; ++i)
+        EXPECT_FLOAT_EQ(texels.values[i], i % 16 < 7 ? 0.2f : 0.8f) << i;
+}
+
+TEST(Unvisited, AreCountedWhereASurfaceReadsThem) {
+    EXPECT_EQ(count_unvisited({0, 0, 3, 0, 1}, {0, 1, 1, 2, 0}), 2u);
+}
+
 /// Charts 1 and 2 alternate from column to column, chart 3 is one texel of which nothing is known:
 /// it takes what is around it.
 TEST(Unvisited, OfAChartWithoutAnyKnownTexelAreFilledFromTheOthers) {

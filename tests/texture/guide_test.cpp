@@ -51,6 +51,18 @@ TEST(GuideTree, LeavesNoiseAlone) {
     EXPECT_EQ(grow_guide_tree(s.known, s.unknown, s.present).leaves, 1u);
 }
 
+/// Texels of files have few values, so that thresholds are some of them: these lie above.
+TEST(GuideTree, AValueThatIsAThresholdLiesAboveIt) {
+    Rows known{std::vector<float>(400), 1}, unknown{std::vector<float>(400), 1};
+    for (std::size_t r = 0; r < 400; ++r) {
+        known.values[r] = r % 2 == 0 ? 0.25f : 0.75f;
+        unknown.values[r] = r % 2 == 0 ? 0.1f : 0.9f;
+    }
+    const GuideTree tree = grow_guide_tree(known, unknown, std::vector<char>(400, 1));
+    EXPECT_EQ(tree.leaves, 2u);
+    EXPECT_NE(leaf_of(tree, std::vector{0.25f}), leaf_of(tree, std::vector{0.75f}));
+}
+
 TEST(GuideTree, ReadsRowsThatArePresentAlone) {
     Steps s = make_steps(0.1f);
     for (std::size_t r = 0; r < kRows; r += 2) {

@@ -60,30 +60,65 @@ TEST(Pyramid, HalvesGoDownTheLevelsOnTheirOwn) {
 }
 
 TEST(Pyramid, ConfidenceIsWhereTheHalvesOfTheGradientAreEqual) {
-    PyramidRun run = make_run(3, make_image(16, 8, 1, 0.5f));
-    EXPECT_EQ(confidence(run.state).width, 0);
-    run.adam.gate = true;
-    // In the left half of the texture the halves of the gradient are equal; in the right one there
-    // are two texels that they tell apart, though not their sum.
-    SplitGradient halves{make_image(16, 8, 1), make_image(16, 8, 1)};
-    for (int y = 0; y < 8; ++y)
-        for (int x = 0; x < 8; ++x) halves.first.at(x, y, 0) = halves.second.at(x, y, 0) = 1;
-    halves.first.at(12, 7, 0) = 1;  // in the last row: coarse levels have others at the first one
-    halves.second.at(13, 7, 0) = 1;
-    Image texture = decode(run);
-    for (int i = 0; i < 3; ++i) descend(halves, run, texture);
-    const Image sure = confidence(run.state);
-    EXPECT_EQ(sure.at(2, 4, 0), 1.0f);
-    constexpr std::size_t kFirst = 7 * 16 + 12;
-    const AdamState& finest = run.state.levels[0].adam;
-    EXPECT_EQ(snr_gate(finest.square[kFirst], finest.noise[kFirst]), 0.0f);
-    EXPECT_GT(sure.at(12, 7, 0), 0.5f);  // from a coarser level
-    EXPECT_EQ(sure.at(12, 6, 0), 0.0f) << "not visited, whatever the coarser level knows";
-    EXPECT_EQ(sure.at(15, 7, 0), 0.0f);
-    EXPECT_EQ(run.state.visits[0], 3u);
-    EXPECT_EQ(run.state.visits[kFirst], 3u);
-    EXPECT_EQ(run.state.visits[kFirst + 1], 3u);
-    EXPECT_EQ(run.state.visits[kFirst - 1], 0u);
+    // Coarse levels have other texels at the other row.
+    for (const int row : {0, 7}) {
+        PyramidRun run = make_run(3, make_image(16, 8, 1, 0.5f));
+        EXPECT_EQ(confidence(run.state).width, 0);
+        run.adam.gate = true;
+        // In the left half of the texture the halves of the gradient are equal; in the right one
+        // there are two texels that they tell apart, though not their sum.
+        SplitGradient halves{make_image(16, 8, 1), make_image(16, 8, 1)};
+        for (int y = 0; y < 8; ++y)
+            for (int x = 0; x < 8; ++x) halves.first.at(x, y, 0) = halves.second.at(x, y, 0) = 1;
+        halves.first.at(12, row, 0) = 1;
+        halves.second.at(13, row, 0) = 1;
+        Image texture = decode(run);
+        for (int i = 0; i < 3; ++i) descend(halves, run, texture);
+        const Image sure = confidence(run.state);
+        EXPECT_EQ(sure.at(2, 4, 0), 1.0f);
+        const auto first = static_cast<std::size_t>(row * 16 + 12);
+        const AdamState& finest = run.state.levels[0].adam;
+        EXPECT_EQ(snr_gate(finest.square[first], finest.noise[first]), 0.0f);
+        EXPECT_GT(sure.at(12, row, 0), 0.5f);  // from a coarser level
+        EXPECT_EQ(sure.at(12, row == 0 ? 1 : 6, 0), 0.0f)
+            << "not visited, whatever the coarser level knows";
+        EXPECT_EQ(sure.at(15, row, 0), 0.0f);
+        EXPECT_EQ(run.state.visits[0], 3u);
+        EXPECT_EQ(run.state.visits[first], 3u);
+        EXPECT_EQ(run.state.visits[first + 1], 3u);
+        EXPECT_EQ(run.state.visits[first - 1], 0u);
+    }
+}
+
+/// One texel's gradient moves coarse texels at the end of a block: so do all texels that read them,
+/// in whatever block they lie, across the border of a texture that repeats too.
+TEST(Pyramid, MovesEveryTexelThatReadsACoarseOneThatMoves) {
+    constexpr int kWidth = 4 * kDirtyBlock;
+    for (const bool repeats : {false, true})
+        for (const int x : {1, 94, 97, kWidth - 2}) {
+            PyramidRun run = make_run(2, make_image(kWidth, 2, 1, 0.5f), {}, repeats);
+            run.adam.learning_rate = 0.01f;
+            Image texture = decode(run), gradient = make_image(kWidth, 2, 1);
+            gradient.at(x, 0, 0) = 1;
+            for (int i = 0; i < 2; ++i) descend({gradient, {}}, run, texture);
+            const Image decoded = decode(run);
+            for (std::size_t k = 0; k < texture.values.size(); ++k)
+                ASSERT_NEAR(texture.values[k], decoded.values[k], 1e-6f) << x << ": " << k;
+        }
+}
+
+/// Halves that cancel each other have visited a texel.
+TEST(Pyramid, CountsVisitsOfEitherHalf) {
+    for (const int channels : {1, 3}) {
+        PyramidRun run = make_run(2, make_image(4, 1, channels, 0.5f));
+        SplitGradient halves{make_image(4, 1, channels), make_image(4, 1, channels)};
+        halves.first.at(1, 0, 0) = 2, halves.second.at(1, 0, 0) = -2;
+        halves.second.at(2, 0, channels - 1) = -1;
+        halves.first.at(3, 0, 0) = 1, halves.first.at(3, 0, channels - 1) -= 1;
+        Image texture = decode(run);
+        descend(halves, run, texture);
+        EXPECT_EQ(run.state.visits, (std::vector<std::uint32_t>{0, 1, 1, channels == 3 ? 1u : 0u}));
+    }
 }
 
 /// |<J x, g> - <x, J^T g>|, relative: J from decode, J^T from descend.

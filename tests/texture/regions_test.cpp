@@ -34,6 +34,14 @@ TEST(Regions, AreBlocksCutAtCharts) {
     }
 }
 
+TEST(Regions, CoverTexturesThatBlocksDoNotDivide) {
+    const TextureRegions r = make_regions(ChartMap(70, 1), 10, 7, 4);
+    ASSERT_EQ(r.regions.size(), 6u);
+    for (std::size_t i = 0; i < 70; ++i)
+        EXPECT_EQ(r.regions[r.of_texel[i]],
+                  (Region{static_cast<int>(i % 10) / 4, static_cast<int>(i / 10) / 4, 1}));
+}
+
 TEST(Regions, HaveNeighboursOfTheirChartAlone) {
     const TextureRegions r = make_regions(two_charts(), 12, 8, 4);
     for (std::uint32_t i = 0; i < r.regions.size(); ++i) {
@@ -59,6 +67,12 @@ TEST(Regions, AreFilledFromTheirChart) {
     fill_regions(r, known, 0.5f, values);
     for (std::uint32_t i = 0; i < r.regions.size(); ++i)
         EXPECT_TRUE(known[i] || values[i] == 0.5f) << "the mean of both";
+
+    for (std::uint32_t i = 0; i < r.regions.size(); ++i)
+        known[i] = r.regions[i].chart == 2, values[i] = known[i] ? 0.1f : -1;
+    fill_regions(r, known, 0.5f, values);
+    EXPECT_EQ(values, std::vector<float>(r.regions.size(), 0.1f))
+        << "nothing of chart 1 is known: the mean of all that is";
 
     const ChartMap apart(16, 1);
     const TextureRegions row = make_regions(apart, 16, 1, 4);
