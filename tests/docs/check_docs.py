@@ -7,6 +7,7 @@
 To add a rule: a generator of (line, message) below, a row in PAGE_RULES, and a seed in self_test.
 """
 
+import os
 import pathlib
 import re
 import sys
@@ -120,6 +121,15 @@ def srun_without_cores(page):
             yield number, "runs srun without --cpus-per-task"
 
 
+def commands_not_executable(page):
+    """Scripts of the repository that a line of code begins with."""
+    for number, line in enumerate(page.lines, 1):
+        command = re.match(r"\s*((?:\./)?[\w./-]+\.(?:sh|py))(?: |$)", line)
+        if page.code[number - 1] and command and "/" in command[1] and (page.root / command[1]).is_file():
+            if not os.access(page.root / command[1], os.X_OK):
+                yield number, f"runs {command[1]}, which is not executable"
+
+
 def banned_words(page):
     if page.is_decision:
         return
@@ -210,7 +220,7 @@ def architecture_length(page):
 
 
 PAGE_RULES = [
-    broken_links, missing_files, long_lines, srun_without_cores, banned_words, machine_states, decision_form,
+    broken_links, missing_files, long_lines, srun_without_cores, commands_not_executable, banned_words, machine_states, decision_form,
     architecture_length, folders_of_the_demo, repeated_entries,
 ]
 
@@ -245,6 +255,7 @@ def self_test():
     clean = {
         "README.md": "# Name\n\nSee [a page](docs/page.md#a-heading) and `src/file.h`.\n\n    pool --option\n",
         "src/file.h": "",
+        "scripts/it.sh": "",
         "demo": "burnish scene name -o out/scene\n",
         "CHANGELOG.md": f"# Changelog\n\n## 2.0\n\n{ENTRY}  so.\n\n## 1.0\n\n{ENTRY}  so.\n",
         "docs/page.md": "# Page\n\n## A heading\n\n[decisions](decisions/001-it.md)\n",
@@ -256,6 +267,7 @@ def self_test():
         "README.md:7: names src/gone.h": ("README.md", "\n`src/gone.h`\n"),
         "docs/page.md:7: has 121": ("docs/page.md", "\n" + "x" * 121 + "\n"),
         "docs/page.md:8: runs srun": ("docs/page.md", "\n\n    srun program\n"),
+        "docs/page.md:8: runs scripts/it.sh": ("docs/page.md", "\n\n    scripts/it.sh --all\n"),
         "docs/page.md:7: uses the word": ("docs/page.md", "\nA pool of samples.\n"),
         "docs/page.md:7: names the state": ("docs/page.md", "\nMeasured on an idle machine.\n"),
         "docs/decisions/001-it.md:61: is longer": ("docs/decisions/001-it.md", "x\n" * 60),

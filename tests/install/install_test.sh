@@ -88,19 +88,56 @@ foreach(package TBB OpenEXR)
         message(FATAL_ERROR "without ${package}: messages below ${CMAKE_MESSAGE_LOG_LEVEL} are muted")
     endif()
 endforeach()
+set(CMAKE_DISABLE_FIND_PACKAGE_MPI ON)
+find_package(Burnish CONFIG QUIET COMPONENTS mpi)
+if(Burnish_FOUND)
+    message(FATAL_ERROR "the component mpi is found without MPI")
+endif()
+find_package(Burnish CONFIG QUIET OPTIONAL_COMPONENTS mpi)
+if(NOT Burnish_FOUND)
+    message(FATAL_ERROR "without MPI, of which a component is optional: not found")
+endif()
 EOF
 "$cmake" -S "$tree/lacking" -B "$tree/lacking/build" -DCMAKE_PREFIX_PATH="$prefix" -DCMAKE_CXX_COMPILER="$compiler" \
     >"$tree/log.txt" 2>&1 || fail "$(tail -20 "$tree/log.txt")"
 
-# As a part of another project: no tests, and warnings stop nobody's build.
+# The component of several processes, where it was built.
+if [ -e "$(find "$prefix" -name BurnishMpiTargets.cmake)" ]; then
+    mkdir "$tree/mpi"
+    printf '%s\n' 'cmake_minimum_required(VERSION 3.22)' 'project(Mpi CXX)' \
+        'find_package(Burnish CONFIG REQUIRED COMPONENTS mpi)' 'add_executable(ranks ranks.cpp)' \
+        'target_link_libraries(ranks PRIVATE Burnish::burnish Burnish::mpi)' >"$tree/mpi/CMakeLists.txt"
+    printf '%s\n' '#include <burnish/mpi.h>' 'int main(int argc, char** argv) {' '    MPI_Init(&argc, &argv);' \
+        '    const int count = burnish::ranks_of(MPI_COMM_WORLD).count;' '    MPI_Finalize();' '    return count - 1;' '}' \
+        >"$tree/mpi/ranks.cpp"
+    "$cmake" -S "$tree/mpi" -B "$tree/mpi/build" -DCMAKE_PREFIX_PATH="$prefix" -DCMAKE_CXX_COMPILER="$compiler" \
+        -DCMAKE_CXX_FLAGS="$flags" >"$tree/log.txt" 2>&1 || fail "$(tail -20 "$tree/log.txt")"
+    "$cmake" --build "$tree/mpi/build" >"$tree/log.txt" 2>&1 || fail "$(tail -40 "$tree/log.txt")"
+fi
+
+# As a part of another project: no tests, no MPI where it is off although the project has it, and warnings stop nobody's build.
 mkdir "$tree/whole"
-printf '%s\n' 'cmake_minimum_required(VERSION 3.22)' 'project(Whole CXX)' "add_subdirectory(\"$source\" burnish)" \
+printf '%s\n' 'cmake_minimum_required(VERSION 3.22)' 'project(Whole CXX)' 'find_package(MPI QUIET COMPONENTS CXX)' \
+    "add_subdirectory(\"$source\" burnish)" 'if(TARGET burnish_mpi)' 'message(FATAL_ERROR "MPI is on")' 'endif()' \
     >"$tree/whole/CMakeLists.txt"
-"$cmake" -S "$tree/whole" -B "$tree/whole/build" -DBURNISH_MPI=OFF -DCMAKE_CXX_COMPILER="$compiler" >"$tree/log.txt" 2>&1 ||
+"$cmake" -S "$tree/whole" -B "$tree/whole/build" -DBURNISH_MPI=off -DCMAKE_CXX_COMPILER="$compiler" >"$tree/log.txt" 2>&1 ||
     fail "$(tail -20 "$tree/log.txt")"
 for option in TESTS WERROR; do
     grep -qx "BURNISH_$option:BOOL=OFF" "$tree/whole/build/CMakeCache.txt" || fail "BURNISH_$option is on in another project"
 done
+
+# What cannot be built is said before anything is.
+refused() {  # refused WORDS OPTION...
+    local words=$1
+    shift
+    if "$cmake" -S "$source" -B "$tree/refused" -DCMAKE_CXX_COMPILER="$compiler" "$@" >"$tree/log.txt" 2>&1; then
+        fail "$* is configured"
+    fi
+    tr -s '\n ' ' ' <"$tree/log.txt" | grep -qF "$words" || fail "$*: $(tail -20 "$tree/log.txt")"
+}
+refused 'BURNISH_PORTABLE: its library' -DBURNISH_PORTABLE=ON -DBURNISH_BENCH=ON
+refused 'BURNISH_SANITIZE: found tsan, expected' -DBURNISH_PORTABLE=OFF -DBURNISH_SANITIZE=tsan
+refused 'BURNISH_MPI: found maybe, expected' -DBURNISH_SANITIZE=OFF -DBURNISH_BENCH=OFF -DBURNISH_MPI=maybe
 
 # The goblet's target, small, and its roughness from it.
 "$burnish" scene goblet --texture-size 64 -o "$tree/goblet" >"$tree/log.txt" 2>&1 || fail "$(cat "$tree/log.txt")"

@@ -6,8 +6,6 @@ import time
 import numpy as np
 import pytest
 
-import burnish
-
 from conftest import NAME
 
 try:

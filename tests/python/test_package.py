@@ -20,6 +20,12 @@ def test_docstrings_have_the_table_of_options():
     assert {o[0]: o[3] for o in burnish.options()}["spp"] == "4 or 32"
 
 
+def test_a_source_distribution_has_the_files_of_the_repository_alone():
+    """`sdist.include` goes before .gitignore: with a name in it what was built goes along."""
+    project = (ROOT / "pyproject.toml").read_text()
+    assert "[tool.scikit-build]" in project and "sdist.include" not in project
+
+
 def test_options_need_what_the_page_of_the_command_line_says():
     help_of = dict(re.findall(r"^    (\w+): (.*)$", burnish.solve.__doc__, re.MULTILINE))
     page = (ROOT / "docs" / "reference" / "options.md").read_text()

@@ -2,7 +2,6 @@
 import ctypes
 import gc
 import os
-import signal
 import subprocess
 import sys
 import textwrap
