@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/median.h"
+#include "core/random.h"
 #include "core/stopwatch.h"
 #include "optimize/loss.h"
 
@@ -151,7 +152,10 @@ DerivativeReference converged_derivative(const TracedScene& scene, const Traject
     const std::uint32_t estimates = std::max(2u, samples_per_pixel / mc.samples);
     const std::uint32_t own_seed = seed + 0x9e3779b9u;  // not that of any estimate
     for (std::uint32_t k = 0; k < estimates; ++k) {
-        add(estimate_at_end(scene, trajectory, mc, own_seed, k), half[k % 2]);
+        // A seed for each half: the passes of one share a sequence of film offsets that fills the
+        // pixel evenly, so that they are not independent.
+        const std::uint32_t seed_of_own = seed_of_half(own_seed, k % 2);
+        add(estimate_at_end(scene, trajectory, mc, seed_of_own, k / 2), half[k % 2]);
         tell(progress, k + 1, estimates);
     }
     const double n0 = (estimates + 1) / 2, n1 = estimates / 2;

@@ -69,7 +69,7 @@ std::uint32_t affordable_samples(const CostLine& cost, double seconds, std::uint
 /// The converged derivative at the last entry.
 struct DerivativeReference {
     Image gradient;
-    double squared_error = 0;  ///< its own, summed over the texels: an estimate from two halves
+    double squared_error = 0;  ///< its own, summed over the texels: from two independent halves
     double nmse = 0;           ///< its own; infinite where all is noise
 };
 DerivativeReference converged_derivative(const TracedScene& scene, const Trajectory& trajectory,

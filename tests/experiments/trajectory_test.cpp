@@ -5,10 +5,12 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <cmath>
 #include <filesystem>
 #include <string>
 
 #include "burnish/error.h"
+#include "core/random.h"
 #include "experiments/experiments.h"
 #include "experiments/small_target_scene.h"
 #include "ledger_entries.h"
@@ -196,6 +198,32 @@ TEST(Reproduce, ErrorsAreWhatTheyAreCalled) {
     EXPECT_NEAR(e.nmse, 6.0 / 21, 1e-12);
     EXPECT_NEAR(e.paper, (1 / 1.01 + 1 / 0.01 + 4 / 16.01) / 3, 1e-6);
     EXPECT_NEAR(e.median_relative, 0.5, 1e-12);
+}
+
+/// Each has a seed of its own.
+TEST(Reproduce, HalvesOfAConvergedDerivativeShareNoSequence) {
+    const ReproduceOptions options = small_options();
+    const TargetScene scene = small_target_scene(options);
+    const Trajectory trajectory = record(scene, options);
+    const DerivativeReference reference = converged_derivative(scene.traced(), trajectory, 20, 7);
+    const std::size_t n = reference.gradient.values.size();
+    std::array<std::vector<double>, 2> half{std::vector<double>(n), std::vector<double>(n)};
+    for (std::uint32_t k = 0; k < 5; ++k) {  // of four passes
+        ScriptedEstimator alone(baseline_estimator(4), seed_of_half(7 + 0x9e3779b9u, k % 2));
+        const Image block = estimate_next(scene.traced(), trajectory.theta.back(),
+                                          trajectory.adjoint.back(), k / 2, alone);
+        for (std::size_t i = 0; i < n; ++i)
+            half[k % 2][i] += double{block.values[i]} / (k % 2 == 0 ? 3 : 2);
+    }
+    double squared_error = 0;
+    for (std::size_t i = 0; i < n; ++i) {
+        const double difference = half[0][i] - half[1][i];
+        squared_error += difference * difference / 4;
+        const double mean = (half[0][i] + half[1][i]) / 2;
+        EXPECT_NEAR(double{reference.gradient.values[i]}, mean, 1e-6 * std::abs(mean));
+    }
+    ASSERT_GT(squared_error, 0);
+    EXPECT_NEAR(reference.squared_error / squared_error, 1, 1e-9);
 }
 
 TEST(Reproduce, AffordableSamplesFollowTheCostLine) {
