@@ -184,13 +184,9 @@ void evaluate_derivatives(const CommandLine& line) {
     at.adjoint.push_back(with_channels(read_image(line.adjoint), 3));
     const DerivativeReference reference =
         converged_derivative(scene.traced(), at, line.evaluation_samples, line.seed);
-    // The reference's own noise is in the sum of squared differences, and in that of its squares.
-    const double noise = reference.nmse;
     Json errors = Json::array();
-    for (const std::string& file : line.files) {
-        const double nmse = derivative_error(read_image(file), reference.gradient).nmse;
-        errors.push_back(nmse * (1 + noise) - noise);
-    }
+    for (const std::string& file : line.files)
+        errors.push_back(derivative_error(read_image(file), reference).nmse);
     std::cout << Json{{"nmse", errors}, {"reference_nmse", reference.nmse}} << std::endl;
 }
 

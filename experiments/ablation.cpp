@@ -38,7 +38,7 @@ void run(Rows& to, const TracedScene& traced, const std::string& group, const st
     to.note(to.scene.source.name + ": " + name);
     DerivativeEstimate estimate =
         estimate_along(traced, to.trajectory, estimator, seed, to.note.share);
-    const DerivativeError error = derivative_error(estimate.gradient, to.reference.gradient);
+    const DerivativeError error = derivative_error(estimate.gradient, to.reference);
     to.rows.push_back({group, name, estimator, std::move(estimate), error});
 }
 
@@ -173,7 +173,7 @@ Table table_of(const std::vector<Row>& rows) {
         {"what", "variant", "paper's error", "NMSE", "median relative error", "derivative, s"}, {}};
     for (const Row& r : rows)
         table.rows.push_back({r.group, r.name, fmt::format("{:.3g}", r.error.paper),
-                              fmt::format("{:.3g}", r.error.nmse),
+                              nmse_text(r.error.nmse),
                               fmt::format("{:.3g}", r.error.median_relative),
                               fmt::format("{:.4f}", r.estimate.seconds)});
     return table;
@@ -195,10 +195,10 @@ Plot cap_plot(const std::vector<Row>& rows) {
 std::string caches_text(const std::vector<Row>& rows) {
     const auto is_cache = [](const Row& r) { return r.group == kCacheGroup; };
     const auto first = std::find_if(rows.begin(), rows.end(), is_cache);
-    std::string text = fmt::format("{} {:.3g}", first->name, first->error.nmse);
+    std::string text = fmt::format("{} {}", first->name, nmse_text(first->error.nmse));
     for (auto r = first + 1; r != rows.end() && is_cache(*r); ++r)
-        text += fmt::format(", {} {:.2f} times that in {:.2f} times the seconds", r->name,
-                            r->error.nmse / first->error.nmse,
+        text += fmt::format(", {} {} times that in {:.2f} times the seconds", r->name,
+                            positive_ratio_text(r->error.nmse, first->error.nmse),
                             r->estimate.seconds / first->estimate.seconds);
     return text;
 }
@@ -208,8 +208,8 @@ std::string sampling_text(const std::vector<Row>& rows) {
     const auto first =
         std::find_if(rows.begin(), rows.end(), [](const Row& r) { return r.group == kSampling; });
     const auto text = [](const char* name, const Row& adaptive, const Row& uniform) {
-        return fmt::format("{} {:.2f} times the NMSE in {:.2f} times the seconds", name,
-                           adaptive.error.nmse / uniform.error.nmse,
+        return fmt::format("{} {} times the NMSE in {:.2f} times the seconds", name,
+                           positive_ratio_text(adaptive.error.nmse, uniform.error.nmse),
                            adaptive.estimate.seconds / uniform.estimate.seconds);
     };
     return fmt::format("With adaptive sampling, {}, {}.", text("mc", first[0], rows[kMcRow]),
@@ -256,7 +256,7 @@ void measure(ExperimentResult& result, const std::string& scene, const Parameter
 }
 
 Figure figure_of(const TargetScene& scene, const std::vector<Row>& rows, const PartRatios& runs) {
-    const auto nmse = [&](std::size_t i) { return rows[i].error.nmse; };
+    const auto nmse = [&](std::size_t i) { return nmse_text(rows[i].error.nmse); };
     const RatioInterval reuse = ratio_interval(runs.reuse),
                         positivization = ratio_interval(runs.positivization);
     Figure f;
@@ -265,8 +265,8 @@ Figure figure_of(const TargetScene& scene, const std::vector<Row>& rows, const P
         "Without positivization, with |q| as the target, the variance of the gradient is higher; "
         "reuse lowers it further.";
     f.measured = fmt::format(
-        "NMSE of the first run: mc {:.3g}, ris {:.3g}, pris {:.3g}, gris {:.3g}, pgris {:.3g}. The "
-        "error of pgris, {}: {} of that of pris, by reuse, and {} of that of gris, by "
+        "NMSE of the first run: mc {}, ris {}, pris {}, gris {}, pgris {}. The error of "
+        "pgris, {}: {} of that of pris, by reuse, and {} of that of gris, by "
         "positivization.",
         nmse(kMcRow), nmse(kRisRow), nmse(kPrisRow), nmse(kGrisRow), nmse(kPgrisRow),
         interval_text(runs.reuse.size()), text_of(reuse), text_of(positivization));

@@ -111,17 +111,22 @@ struct Correlation {
     std::array<double, kBeta1.size()> moment{};  ///< NMSE of the average, per beta1
 };
 
-Correlation correlate(const TargetScene& scene, const Study& study, const Estimator& estimator,
-                      std::uint32_t seed, const Progress& progress) {
+/// Sums over texels, and for each lag over the later half of the iterations, where the history is
+/// as long as it gets.
+struct ErrorSums {
+    std::array<double, kLags + 1> products{}, squares{};  ///< e_v e_(v - lag) and e_(v - lag)^2
+    std::array<double, kBeta1.size()> moment{};           ///< squared error of the average
+};
+
+ErrorSums sum_errors(const TargetScene& scene, const Study& study, const Estimator& estimator,
+                     std::uint32_t seed, const Progress& progress) {
     const Theta& theta = study.trajectory.theta.back();
     const auto& reference = study.reference.gradient.values;
     const std::size_t n = reference.size();
-    double power = 0;
-    for (const float b : reference) power += double{b} * double{b};
     std::array<std::vector<float>, kLags + 1> errors;  // a ring
     std::array<std::vector<float>, kBeta1.size()> moments;
     for (auto& m : moments) m.assign(n, 0.0f);
-    std::array<double, kLags + 1> products{}, squares{};  // e_v e_(v - lag) and e_(v - lag)^2
+    ErrorSums sums;
     ScriptedEstimator along(estimator, seed);
     for (std::uint32_t v = 0; v < kFrozen; ++v) {
         const Image gradient =
@@ -134,28 +139,46 @@ Correlation correlate(const TargetScene& scene, const Study& study, const Estima
             for (std::size_t k = 0; k < moments.size(); ++k)
                 moments[k][i] = kBeta1[k] * moments[k][i] + (1 - kBeta1[k]) * gradient.values[i];
         }
-        if (v < kFrozen / 2) continue;  // until the history is as long as it gets
+        if (v < kFrozen / 2) continue;
         for (std::size_t lag = 0; lag <= kLags; ++lag) {
             const auto& before = errors[(v - lag) % errors.size()];
             for (std::size_t i = 0; i < n; ++i)
-                products[lag] += double{error[i]} * double{before[i]},
-                    squares[lag] += double{before[i]} * double{before[i]};
+                sums.products[lag] += double{error[i]} * double{before[i]},
+                    sums.squares[lag] += double{before[i]} * double{before[i]};
         }
     }
-    Correlation c;
-    for (std::size_t lag = 0; lag <= kLags; ++lag)
-        c.lag[lag] = products[lag] / std::sqrt(products[0] * squares[lag]);
-    c.nmse = products[0] / (kFrozen - kFrozen / 2) / power;
     for (std::size_t k = 0; k < moments.size(); ++k) {
         const double weight = 1 - std::pow(double{kBeta1[k]}, kFrozen);  // Adam's correction
-        double sum = 0;
-        for (std::size_t i = 0; i < n; ++i) {
-            const double d = double{moments[k][i]} / weight - double{reference[i]};
-            sum += d * d;
-        }
-        c.moment[k] = sum / power;
+        for (std::size_t i = 0; i < n; ++i)
+            sums.moment[k] += std::pow(double{moments[k][i]} / weight - double{reference[i]}, 2);
     }
+    return sums;
+}
+
+/// An error is the estimate's less the reference's own, which all of them share: each product and
+/// each square holds its squared error s.
+Correlation correlate(const TargetScene& scene, const Study& study, const Estimator& estimator,
+                      std::uint32_t seed, const Progress& progress) {
+    constexpr double kCount = kFrozen - kFrozen / 2;
+    const ErrorSums sums = sum_errors(scene, study, estimator, seed, progress);
+    const double power = dot(study.reference.gradient, study.reference.gradient),
+                 s = study.reference.squared_error;
+    const auto root = [&](double squares) {
+        const double own = squares / kCount - s;
+        return own > 0 ? std::sqrt(own) : NAN;
+    };
+    Correlation c;
+    for (std::size_t lag = 0; lag <= kLags; ++lag)
+        c.lag[lag] =
+            (sums.products[lag] / kCount - s) / (root(sums.products[0]) * root(sums.squares[lag]));
+    c.nmse = normalized_error(sums.products[0] / kCount, power, s);
+    for (std::size_t k = 0; k < kBeta1.size(); ++k)
+        c.moment[k] = normalized_error(sums.moment[k], power, s);
     return c;
+}
+
+std::string decimals_text(double value, int decimals) {
+    return std::isnan(value) ? nmse_text(value) : fmt::format("{:.{}f}", value, decimals);
 }
 
 Figure correlation_figure(const TargetScene& scene, const Study& study,
@@ -175,11 +198,10 @@ Figure correlation_figure(const TargetScene& scene, const Study& study,
                          kEstimatorNames[k]));
         const Correlation c = all[k] = correlate(scene, study, estimators(scene, options)[k],
                                                  estimate_seed(options), note.share);
-        table.rows.push_back({kEstimatorNames[k], fmt::format("{:.3g}", c.nmse),
-                              fmt::format("{:.3g}", c.moment[0]),
-                              fmt::format("{:.3g}", c.moment[1]),
-                              fmt::format("{:.3g}", c.moment[2]), fmt::format("{:.3f}", c.lag[1]),
-                              fmt::format("{:.3f}", c.lag[4]), fmt::format("{:.3f}", c.lag[8])});
+        table.rows.push_back({kEstimatorNames[k], nmse_text(c.nmse), nmse_text(c.moment[0]),
+                              nmse_text(c.moment[1]), nmse_text(c.moment[2]),
+                              decimals_text(c.lag[1], 3), decimals_text(c.lag[4], 3),
+                              decimals_text(c.lag[8], 3)});
         for (std::size_t lag = 0; lag <= kLags; ++lag)
             result.measurements.push_back({result.name, scene.source.name,
                                            fmt::format("{}, lag {}", kEstimatorNames[k], lag),
@@ -190,14 +212,17 @@ Figure correlation_figure(const TargetScene& scene, const Study& study,
                  fmt::format("{}, beta1 {:g}", kEstimatorNames[k], kBeta1[b]),
                  "nmse_of_first_moment", c.moment[b]});
     }
+    const auto averaged = [](const Correlation& c) {
+        return decimals_text(positive_ratio(c.nmse, c.moment[1]), 1);
+    };
     f.measured = fmt::format(
-        "At frozen textures a single gradient of pgris with replay has {:.2f} times the error of "
-        "one of mc. Averaging over iterations, as Adam with beta1 = 0.9 does, divides the error of "
-        "mc by {:.1f} and that of pgris by {:.1f}: the errors of pgris are correlated ({:.2f} from "
-        "one iteration to the next), so that much of what reuse wins is what the average would "
-        "have won. What is left in Adam's mean is {:.2f} times the error with mc.",
-        all[1].nmse / all[0].nmse, all[0].nmse / all[0].moment[1], all[1].nmse / all[1].moment[1],
-        all[1].lag[1], all[1].moment[1] / all[0].moment[1]);
+        "At frozen textures a single gradient of pgris with replay has {} times the error of one "
+        "of mc. Averaging over iterations, as Adam with beta1 = 0.9 does, divides the error of mc "
+        "by {} and that of pgris by {}: the errors of pgris are correlated ({} from one iteration "
+        "to the next), so that much of what reuse wins is what the average would have won. What is "
+        "left in Adam's mean is {} times the error with mc.",
+        positive_ratio_text(all[1].nmse, all[0].nmse), averaged(all[0]), averaged(all[1]),
+        decimals_text(all[1].lag[1], 2), positive_ratio_text(all[1].moment[1], all[0].moment[1]));
     f.tables.push_back(table);
     return f;
 }

@@ -25,7 +25,7 @@ Variant run_variant(const TargetScene& scene, const Study& study, const std::str
     note(scene.source.name + ": " + name);
     Variant v{name, estimator, {}, {}};
     v.estimate = estimate_along(scene.traced(), study.trajectory, estimator, seed, note.share);
-    v.error = derivative_error(v.estimate.gradient, study.reference.gradient);
+    v.error = derivative_error(v.estimate.gradient, study.reference);
     return v;
 }
 
@@ -73,13 +73,11 @@ Table table_of(const std::vector<Variant>& variants, const Study& study) {
                  "whole iteration, s"},
                 {}};
     for (const Variant& v : variants)
-        table.rows.push_back({v.name, fmt::format("{:.3g}", v.error.paper),
-                              fmt::format("{:.3g}", v.error.nmse),
+        table.rows.push_back({v.name, fmt::format("{:.3g}", v.error.paper), nmse_text(v.error.nmse),
                               fmt::format("{:.3g}", v.error.median_relative),
                               fmt::format("{:.4f}", v.estimate.seconds),
                               fmt::format("{:.4f}", whole_seconds(v, study))});
-    table.rows.push_back(
-        {"the converged derivative itself", "", fmt::format("{:.3g}", study.reference.nmse)});
+    table.rows.push_back({"the converged derivative itself", "", nmse_text(study.reference.nmse)});
     return table;
 }
 
@@ -97,8 +95,7 @@ float percentile_of(const Image& image, double share) {
 std::vector<Picture> pictures_of(const std::vector<Variant>& variants, const Study& study) {
     const float white = percentile_of(study.reference.gradient, 0.97);
     const auto picture = [&](const std::string& name, const Image& image, double nmse) {
-        return Picture{name, fmt::format("NMSE {:.3g}", nmse), image, PictureKind::kDerivative,
-                       white};
+        return Picture{name, "NMSE " + nmse_text(nmse), image, PictureKind::kDerivative, white};
     };
     std::vector<Picture> row;
     for (const std::size_t k : {kMc, kMcAsReplay, kReplay, kCache})
@@ -111,11 +108,12 @@ std::vector<Picture> pictures_of(const std::vector<Variant>& variants, const Stu
 /// [run][variant], each run with random numbers of its own.
 using Runs = std::vector<std::vector<Variant>>;
 
-/// value(variant a) over value(variant b).
+/// value(variant a) over value(variant b); NaN where noise hides one.
 template <class Value>
 RatioInterval ratio_of(const Runs& runs, std::size_t a, std::size_t b, Value value) {
     std::vector<double> ratios;
-    for (const auto& variants : runs) ratios.push_back(value(variants[a]) / value(variants[b]));
+    for (const auto& variants : runs)
+        ratios.push_back(positive_ratio(value(variants[a]), value(variants[b])));
     return ratio_interval(ratios);
 }
 RatioInterval nmse_ratio(const Runs& runs, std::size_t a, std::size_t b) {

@@ -23,7 +23,7 @@ struct Sweep {
 void extend_sweep(const TargetScene& scene, const Study& study, const ReproduceOptions& options,
                   std::uint32_t run, double goal, const WorkNote& note, Sweep& sweep) {
     const double enough_seconds = options.runs > 1 ? 0.1 : kEnoughSeconds;
-    while (sweep.nmse.empty() || sweep.nmse.back() > goal) {
+    while (sweep.nmse.empty() || sweep.nmse.back() > goal) {  // false of NaN
         const std::uint32_t samples = sweep.samples.empty() ? 1 : 2 * sweep.samples.back();
         if (samples > options.max_samples) return;
         note(fmt::format("{}: mc with {} spp, run {} of {}", scene.source.name, samples, run + 1,
@@ -33,16 +33,17 @@ void extend_sweep(const TargetScene& scene, const Study& study, const ReproduceO
             estimate_along(scene.traced(), study.trajectory, baseline_estimator(samples),
                            estimate_seed(options, run), {}, kMaxAtOnce, enough_seconds));
         sweep.nmse.push_back(
-            derivative_error(sweep.estimates.back().gradient, study.reference.gradient).nmse);
+            derivative_error(sweep.estimates.back().gradient, study.reference).nmse);
     }
 }
 
 /// On logarithmic axes.
 Crossing crossing_of(const Sweep& s, double goal) {
     const auto first =
-        std::find_if(s.nmse.begin(), s.nmse.end(), [&](double error) { return error <= goal; });
+        std::find_if(s.nmse.begin(), s.nmse.end(), [&](double error) { return !(error > goal); });
     if (first == s.nmse.end())
         return {static_cast<double>(s.samples.back()), s.estimates.back().seconds, true};
+    if (std::isnan(goal) || std::isnan(*first)) return {NAN, NAN};
     const auto at = static_cast<std::size_t>(first - s.nmse.begin());
     if (at == 0) return {1, s.estimates[0].seconds};
     const double t = std::log(s.nmse[at - 1] / goal) / std::log(s.nmse[at - 1] / s.nmse[at]);
@@ -67,11 +68,23 @@ RatioInterval mean_of(std::span<const EqualErrorRun> runs, Value value) {
 RatioInterval samples_of_mc(const EqualError& row) {
     return mean_of(row.runs, [](const EqualErrorRun& run) { return run.mc.samples; });
 }
+/// A mean in words, after `bound` where a run is one.
+std::string bounded_text(const EqualError& row, const char* bound, const RatioInterval& mean) {
+    const bool is_bound = has_bound(row.runs) && !std::isnan(mean.ratio);
+    return (is_bound ? bound : "") + text_of(mean);
+}
 std::string samples_text(const EqualError& row) {
-    return (has_bound(row.runs) ? "at least " : "") + text_of(samples_of_mc(row));
+    return bounded_text(row, "at least ", samples_of_mc(row));
 }
 std::string seconds_text(const EqualError& row) {
-    return (has_bound(row.runs) ? "at most " : "") + text_of(seconds_ratio(row.runs));
+    return bounded_text(row, "at most ", seconds_ratio(row.runs));
+}
+/// Of mc, without an interval.
+std::string seconds_of_mc_text(const EqualError& row) {
+    const double mean =
+        mean_of(row.runs, [](const EqualErrorRun& run) { return run.mc.seconds; }).ratio;
+    if (std::isnan(mean)) return text_of({.ratio = mean});
+    return fmt::format("{}{:.4f}", has_bound(row.runs) ? "at least " : "", mean);
 }
 
 std::string variant_of(Shift shift) {
@@ -87,7 +100,7 @@ EqualErrorRun compare(const TargetScene& scene, const Study& study, const Reprod
     const DerivativeEstimate estimate = estimate_along(scene.traced(), study.trajectory, pgris,
                                                        estimate_seed(options, run), note.share);
     EqualErrorRun result{
-        derivative_error(estimate.gradient, study.reference.gradient).nmse, estimate.seconds, {}};
+        derivative_error(estimate.gradient, study.reference).nmse, estimate.seconds, {}};
     extend_sweep(scene, study, options, run, result.nmse, note, sweep);
     result.mc = crossing_of(sweep, result.nmse);
     return result;
@@ -120,13 +133,9 @@ Table table_of(const std::vector<EqualError>& rows) {
     for (const EqualError& row : rows) {
         const auto mean = [&](auto value) { return mean_of(row.runs, value).ratio; };
         table.rows.push_back(
-            {variant_of(row.shift),
-             fmt::format("{:.3g}", mean([](const EqualErrorRun& r) { return r.nmse; })),
+            {variant_of(row.shift), nmse_text(mean([](const EqualErrorRun& r) { return r.nmse; })),
              fmt::format("{:.4f}", mean([](const EqualErrorRun& r) { return r.seconds; })),
-             samples_text(row),
-             fmt::format("{}{:.4f}", has_bound(row.runs) ? "at least " : "",
-                         mean([](const EqualErrorRun& r) { return r.mc.seconds; })),
-             seconds_text(row)});
+             samples_text(row), seconds_of_mc_text(row), seconds_text(row)});
     }
     return table;
 }

@@ -7,7 +7,7 @@
 
 namespace burnish {
 
-/// Where the error of the baseline first falls to a goal.
+/// Where the error of the baseline first falls to a goal; NaN where noise hides one of the two.
 struct Crossing {
     double samples = 1, seconds = 0;
     bool is_bound = false;  ///< it does not, and these are those of the last try: it takes more

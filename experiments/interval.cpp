@@ -20,6 +20,8 @@ double student_percentile(std::size_t degrees) {
 
 bool has_interval(const RatioInterval& i) { return std::isfinite(i.high); }
 
+constexpr const char* kTooNoisy = "too noisy to tell";
+
 }  // namespace
 
 RatioInterval ratio_interval(std::span<const double> ratios) {
@@ -52,9 +54,17 @@ std::string interval_text(std::size_t runs) {
 }
 
 std::string text_of(const RatioInterval& i) {
-    if (std::isnan(i.ratio)) return "too noisy to tell";
+    if (std::isnan(i.ratio)) return kTooNoisy;
     if (!has_interval(i)) return fmt::format("{:.2f}", i.ratio);
     return fmt::format("{:.2f} [{:.2f}, {:.2f}]", i.ratio, i.low, i.high);
+}
+
+std::string positive_ratio_text(double a, double b) {
+    return text_of({.ratio = positive_ratio(a, b)});
+}
+
+std::string nmse_text(double error) {
+    return std::isfinite(error) ? fmt::format("{:.3g}", error) : kTooNoisy;
 }
 
 Verdict verdict_below_one(const RatioInterval& interval) {

@@ -18,11 +18,15 @@ struct RatioInterval {
 /// single run, and where a ratio is not positive, the interval is [0, infinity].
 RatioInterval ratio_interval(std::span<const double> ratios);
 
-/// a / b of losses without their noise, which may be below 0: NaN unless both are above.
+/// a / b of losses or errors without their noise, which may be below 0: NaN unless both are above.
 double positive_ratio(double a, double b);
 
-/// "0.62 [0.51, 0.75]"; without an interval "0.62".
+/// "0.62 [0.51, 0.75]"; without an interval "0.62"; of NaN "too noisy to tell".
 std::string text_of(const RatioInterval& interval);
+/// The same of positive_ratio(a, b), without an interval.
+std::string positive_ratio_text(double a, double b);
+/// Three digits of an NMSE; "too noisy to tell" of one that is not finite.
+std::string nmse_text(double error);
 /// "with 95 % intervals over 5 runs"; of one run "one run, no interval".
 std::string interval_text(std::size_t runs);
 

@@ -6,6 +6,7 @@
 #include "core/median.h"
 #include "core/random.h"
 #include "core/stopwatch.h"
+#include "experiments/interval.h"
 #include "optimize/loss.h"
 
 namespace burnish {
@@ -172,7 +173,12 @@ DerivativeReference converged_derivative(const TracedScene& scene, const Traject
     return reference;
 }
 
-DerivativeError derivative_error(const Image& a, const Image& b) {
+double normalized_error(double squared, double power, double s) {
+    return positive_ratio(squared - s, power - s);
+}
+
+DerivativeError derivative_error(const Image& a, const DerivativeReference& reference) {
+    const Image& b = reference.gradient;
     double squared = 0, power = 0, paper = 0;
     std::size_t count = 0;
     std::vector<double> relative;
@@ -180,16 +186,16 @@ DerivativeError derivative_error(const Image& a, const Image& b) {
     for (std::size_t t = 0; t < b.values.size(); t += channels) {
         double d2 = 0, b2 = 0;
         for (std::size_t c = t; c < t + channels; ++c) {
-            const double reference = double{b.values[c]}, d = double{a.values[c]} - reference;
-            d2 += d * d, b2 += reference * reference;
-            paper += d * d / (reference * reference + 0.01);
-            count += reference != 0;
+            const double value = double{b.values[c]}, d = double{a.values[c]} - value;
+            d2 += d * d, b2 += value * value;
+            paper += d * d / (value * value + 0.01);
+            count += value != 0;
         }
         squared += d2, power += b2;
         if (b2 > 0) relative.push_back(std::sqrt(d2 / b2));
     }
-    return {count > 0 ? paper / static_cast<double>(count) : 0, power > 0 ? squared / power : 0,
-            median(relative)};
+    return {count > 0 ? paper / static_cast<double>(count) : 0,
+            normalized_error(squared, power, reference.squared_error), median(relative)};
 }
 
 }  // namespace burnish

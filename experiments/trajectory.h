@@ -82,12 +82,17 @@ struct Study {
     DerivativeReference reference;
 };
 
-/// Errors of an estimate a against a reference b, over all texels and channels.
+/// Errors of an estimate a against a reference b, over all texels and channels. The sums of squares
+/// (a - b)^2 and b^2 hold the reference's own squared error s, on average; the NMSE is without it,
+/// the two other measures are with it.
 struct DerivativeError {
     double paper = 0;            ///< sum (a - b)^2 / (b^2 + 0.01) / count(b != 0), the paper's
-    double nmse = 0;             ///< sum (a - b)^2 / sum b^2
+    double nmse = 0;             ///< see normalized_error
     double median_relative = 0;  ///< median of |a - b| / |b| over texels with b != 0
 };
-DerivativeError derivative_error(const Image& a, const Image& b);
+DerivativeError derivative_error(const Image& a, const DerivativeReference& reference);
+/// (squared - s) / (power - s) of sums (a - b)^2 and b^2; NaN unless both are above 0: noise hides
+/// the error.
+double normalized_error(double squared, double power, double s);
 
 }  // namespace burnish

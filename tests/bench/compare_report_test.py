@@ -48,6 +48,17 @@ class Curves(unittest.TestCase):
         self.assertEqual(report.seconds_to(late, 0.9), 3)
 
 
+class Derivatives(unittest.TestCase):
+    def test_an_error_that_noise_hides_has_no_ratio(self):
+        comparison = sides.Comparison.__new__(sides.Comparison)
+        comparison.beside = lambda *_: {"nmse": [2.0, None, 8.0, 4.0], "reference_nmse": 0.1}
+        ours, theirs = ({"files": ["a", "b"], "seconds": [1, 1], "spp": 1} for _ in range(2))
+        derivatives = {"texture": "t", "adjoint": "a", "variants": {"mc": ours | {"mitsuba": theirs}}}
+        comparison.evaluate_derivatives(derivatives)
+        self.assertEqual(derivatives["reference_nmse"], 0.1)
+        self.assertEqual(next(report.derivative_rows(derivatives)).ratio(), "4 [4, 4] in 1 of 2")
+
+
 class Rows(unittest.TestCase):
     def test_the_ratio_is_theirs_over_ours_per_repeat(self):
         self.assertEqual(report.Row("", [2, 9, 8], [1, 3, 2]).ratio(), "3 [2, 4]")

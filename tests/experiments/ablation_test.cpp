@@ -35,7 +35,7 @@ struct AblationRun {
         return estimate_along(scene().traced(), scene().study->trajectory, estimator, seed);
     }
     double nmse(const DerivativeEstimate& e) const {
-        return derivative_error(e.gradient, scene().study->reference.gradient).nmse;
+        return derivative_error(e.gradient, scene().study->reference).nmse;
     }
     double nmse(const Estimator& estimator) const {
         return nmse(estimate(estimator, estimate_seed(options)));
@@ -158,6 +158,19 @@ TEST(Ablation, HasARowForEachParameterization) {
                                 }),
                   2)
             << metric;
+}
+
+TEST(Ablation, ErrorsThatTheReferenceHidesTellNothing) {
+    ReproduceOptions options = test::small_options();
+    options.runs = 2;
+    TargetScene scene = test::small_target_scene(options);
+    scene.study = test::study_of_noise(scene, options);
+    const Figure f = AblationRun(std::move(scene), options.runs).result.figures.at(0);
+    EXPECT_EQ(f.verdict, Verdict::kUndecided);
+    EXPECT_NE(f.measured.find("mc too noisy to tell, ris too noisy to tell"), std::string::npos)
+        << f.measured;
+    EXPECT_EQ(f.measured.find("nan"), std::string::npos) << f.measured;
+    EXPECT_EQ(f.why, "");
 }
 
 /// Caps that no history of so few iterations reaches are not run again.

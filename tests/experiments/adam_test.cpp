@@ -3,6 +3,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
+#include <memory>
+#include <string>
 #include <vector>
 
 #include "experiments/decay_rates.h"
@@ -68,3 +71,83 @@ TEST(Adam, LossesAreWithoutNoise) {
 
 }  // namespace
 }  // namespace burnish
+constexpr std::uint32_t kFrozen = 32;  // iterations, of which the later half counts
+
+/// With e the gradients less the reference, at frozen textures: means over iterations.
+struct ErrorProducts {
+    double square = 0, square_before = 0, product = 0;  ///< of e_v, e_(v - 1), both
+};
+
+ErrorProducts products_of(const TargetScene& scene, const Estimator& estimator,
+                          std::uint32_t seed) {
+    const Study& study = *scene.study;
+    ScriptedEstimator along(estimator, seed);
+    ErrorProducts mean;
+    Image before;
+    for (std::uint32_t v = 0; v < kFrozen; ++v) {
+        Image error = estimate_next(scene.traced(), study.trajectory.theta.back(),
+                                    study.trajectory.adjoint.back(), v, along);
+        for (std::size_t i = 0; i < error.values.size(); ++i)
+            error.values[i] -= study.reference.gradient.values[i];
+        if (v >= kFrozen / 2) {
+            mean.square += dot(error, error) / (kFrozen / 2);
+            mean.square_before += dot(before, before) / (kFrozen / 2);
+            mean.product += dot(error, before) / (kFrozen / 2);
+        }
+        before = error;
+    }
+    return mean;
+}
+
+/// Measurements by metric and variant, of losses without a step.
+std::map<std::string, double> measured_by_adam(const TargetScene& scene, ReproduceOptions options,
+                                               double squared_error) {
+    options.sweep_seconds = 0;
+    std::vector<TargetScene> scenes;
+    scenes.push_back(test::small_target_scene(options));
+    auto study = std::make_shared<Study>(*scene.study);
+    study->reference.squared_error = squared_error;
+    scenes[0].study = study;
+    std::map<std::string, double> values;
+    for (const Measurement& m :
+         run_adam(scenes, options, {[](const std::string&) {}, {}}).measurements)
+        values[m.metric + " of " + m.variant] = m.value;
+    return values;
+}
+
+// The reference's own error is a part of each, and correlates them.
+TEST(Adam, ErrorsAreWithoutTheNoiseOfTheReference) {
+    const ReproduceOptions options = test::small_options();
+    TargetScene scene = test::small_target_scene(options);
+    scene.study = make_study(scene, options, {[](const std::string&) {}, {}});
+    const Image& reference = scene.study->reference.gradient;
+    const ErrorProducts mc =
+        products_of(scene, baseline_estimator(options), estimate_seed(options));
+    const std::string moment = "nmse_of_first_moment of mc, beta1 0.9",
+                      lag = "error_correlation of mc, lag 1";
+    const auto whole = measured_by_adam(scene, options, 0);
+    const double power = dot(reference, reference), sum = power * whole.at(moment),
+                 s = 0.3 * std::min({power, sum, mc.square, mc.square_before});
+    const auto own = measured_by_adam(scene, options, s);
+    EXPECT_NEAR(own.at(moment), (sum - s) / (power - s), 1e-9 * own.at(moment));
+    EXPECT_NEAR(whole.at(lag), mc.product / std::sqrt(mc.square * mc.square_before), 1e-9);
+    EXPECT_NEAR(own.at(lag), (mc.product - s) / std::sqrt((mc.square - s) * (mc.square_before - s)),
+                1e-9);
+    EXPECT_GT(whole.at(lag) - own.at(lag), 1e-6);
+    EXPECT_NEAR(own.at("error_correlation of mc, lag 0"), 1, 1e-9);
+}
+
+TEST(Adam, ErrorsThatTheReferenceHidesTellNothing) {
+    ReproduceOptions options = test::small_options();
+    options.sweep_seconds = 0;
+    std::vector<TargetScene> scenes;
+    scenes.push_back(test::small_target_scene(options));
+    scenes[0].study = test::study_of_noise(scenes[0], options);
+    const ExperimentResult result = run_adam(scenes, options, {[](const std::string&) {}, {}});
+    const Figure& f = result.figures.at(1);
+    EXPECT_NE(f.measured.find("divides the error of mc by too noisy to tell"), std::string::npos)
+        << f.measured;
+    for (const auto& row : f.tables.at(0).rows)
+        for (std::size_t k = 1; k < row.size(); ++k) EXPECT_EQ(row[k], "too noisy to tell");
+}
+

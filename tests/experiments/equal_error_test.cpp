@@ -97,5 +97,25 @@ TEST(EqualError, AnErrorThatMcDoesNotReachIsABound) {
     EXPECT_NE(f.verdict, Verdict::kFails);
 }
 
+TEST(EqualError, ErrorsThatTheReferenceHidesTellNothing) {
+    ReproduceOptions options = test::small_options();
+    options.runs = 2;
+    std::vector<TargetScene> scenes;
+    scenes.push_back(test::small_target_scene(options));
+    scenes[0].study = test::study_of_noise(scenes[0], options);
+    const ExperimentResult result =
+        run_equal_error(scenes, options, {[](const std::string&) {}, {}});
+    const Figure& f = result.figures.at(0);
+    EXPECT_EQ(f.verdict, Verdict::kUndecided);
+    EXPECT_TRUE(says(f, "mc needs too noisy to tell samples")) << f.measured;
+    for (const auto& row : f.tables.at(0).rows)
+        for (const std::string& cell : row) EXPECT_NE(cell, "nan") << row[0];
+    for (const char* metric : {"nmse", "mc_samples_per_pixel", "mc_seconds"}) {
+        const auto values = values_of(result, "pgris, replay", metric);
+        ASSERT_EQ(values.size(), 2u) << metric;
+        EXPECT_TRUE(std::isnan(values[0])) << metric;
+    }
+}
+
 }  // namespace
 }  // namespace burnish

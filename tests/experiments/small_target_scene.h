@@ -3,10 +3,12 @@
 
 #include <unistd.h>
 
+#include <cmath>
 #include <filesystem>
+#include <memory>
 #include <string>
 
-#include "experiments/target_scene.h"
+#include "experiments/experiments.h"
 #include "scenes/procedural.h"
 
 namespace burnish::test {
@@ -17,7 +19,7 @@ inline ReproduceOptions small_options() {
     options.texture_side = 32;
     options.image_samples = 4, options.image_window = 0;
     options.target_samples = 16;
-    options.reference_samples = 64;
+    options.reference_samples = 512;  // whose noise hides no error
     options.iterations = 5;
     options.sweep_seconds = 0.2;
     options.budget = {8, 8, 0.05, 0.1};
@@ -35,6 +37,15 @@ inline TargetScene small_target_scene(const ReproduceOptions& options) {
     scene.target = render_target(scene, options);
     std::filesystem::remove_all(folder);
     return scene;
+}
+
+/// Its study with a reference that is noise for the most part, as it says.
+inline std::shared_ptr<const Study> study_of_noise(const TargetScene& scene,
+                                                   const ReproduceOptions& options) {
+    auto study =
+        std::make_shared<Study>(*make_study(scene, options, {[](const std::string&) {}, {}}));
+    study->reference.squared_error = 1e30, study->reference.nmse = INFINITY;
+    return study;
 }
 
 }  // namespace burnish::test

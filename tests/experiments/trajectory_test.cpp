@@ -194,10 +194,25 @@ TEST(Reproduce, ErrorsAreWhatTheyAreCalled) {
     Image b = make_image(2, 2, 1), a = b;
     b.values = {1, 0, -2, 4};
     a.values = {2, 1, -2, 2};
-    const DerivativeError e = derivative_error(a, b);
+    const DerivativeError e = derivative_error(a, {b, 0, 0});
     EXPECT_NEAR(e.nmse, 6.0 / 21, 1e-12);
     EXPECT_NEAR(e.paper, (1 / 1.01 + 1 / 0.01 + 4 / 16.01) / 3, 1e-6);
     EXPECT_NEAR(e.median_relative, 0.5, 1e-12);
+}
+
+TEST(Reproduce, TheNmseIsWithoutTheNoiseOfItsReference) {
+    Image b = make_image(2, 2, 1), a = b;
+    b.values = {1, 0, -2, 4};
+    a.values = {2, 1, -2, 2};
+    const DerivativeError whole = derivative_error(a, {b, 0, 0}),
+                          e = derivative_error(a, {b, 1.5, 1.5 / 19.5});
+    EXPECT_NEAR(e.nmse, 4.5 / 19.5, 1e-12);
+    EXPECT_GT(whole.nmse, 1.2 * e.nmse);
+    EXPECT_EQ(e.paper, whole.paper);
+    EXPECT_EQ(e.median_relative, whole.median_relative);
+    for (const double s : {6.0, 7.0, 21.0, 30.0})  // of the difference, of the power, too
+        EXPECT_TRUE(std::isnan(derivative_error(a, {b, s, INFINITY}).nmse)) << s;
+    EXPECT_TRUE(std::isnan(derivative_error(b, {b, 0.1, 0.1 / 20.9}).nmse));
 }
 
 /// Each has a seed of its own.
