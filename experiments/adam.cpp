@@ -85,8 +85,8 @@ Figure decay_figure(const TargetScene& scene, const ReproduceOptions& options, c
     f.measured = fmt::format(
         "After {:.1f} s each the loss of pgris over that of mc, {}, is {} with replay and {} with "
         "the identity shift; it is below mc in {} of {} pairs with replay and in {} with the "
-        "identity shift. The loss varies by {} with mc, by {} with pgris and replay, by {} with "
-        "the identity shift.",
+        "identity shift. The loss varies, the noise of single runs included, by {} with mc, by {} "
+        "with pgris and replay, by {} with the identity shift.",
         options.sweep_seconds, interval_text(runs.betas.size()), text_of(replay.ratio),
         text_of(identity.ratio), replay.wins, runs.betas.size(), identity.wins,
         spread_text(spread_percent(runs.losses[0])), spread_text(replay.spread_percent),

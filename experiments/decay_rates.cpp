@@ -20,10 +20,11 @@ DecayComparison compare_decay(std::span<const double> method, std::span<const do
     }
     c.ratio = ratio_interval(ratios);
     c.spread_percent = spread_percent(method);
-    const Verdict outperforms = verdict_below_one(c.ratio);
-    if (outperforms != Verdict::kUndecided)
-        c.verdict = verdict_of_parts(
-            outperforms, c.spread_percent < kNarrow ? Verdict::kHolds : Verdict::kFails);
+    // A range of single runs grows with their noise: a wide one tells nothing.
+    const Verdict is_narrow = c.spread_percent < kNarrow ? Verdict::kHolds : Verdict::kUndecided,
+                  outperforms = verdict_below_one(c.ratio);
+    c.verdict =
+        outperforms == Verdict::kHolds ? verdict_of_parts(outperforms, is_narrow) : outperforms;
     return c;
 }
 

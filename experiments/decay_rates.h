@@ -18,7 +18,9 @@ struct DecayComparison {
 double spread_percent(std::span<const double> losses);
 
 /// Of the claim that the method outperforms the baseline and that its losses differ by less than
-/// 10 %. The losses, without noise, are those of the same pairs of decay rates.
+/// 10 %: kPartly where the first holds and the losses, of single runs, differ by more, which may be
+/// their noise. The losses, without that of their evaluation, are those of the same pairs of decay
+/// rates.
 DecayComparison compare_decay(std::span<const double> method, std::span<const double> baseline);
 
 }  // namespace burnish

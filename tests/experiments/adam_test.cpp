@@ -11,6 +11,7 @@
 #include "experiments/decay_rates.h"
 #include "experiments/experiments.h"
 #include "experiments/small_target_scene.h"
+#include "random_source.h"
 
 namespace burnish {
 namespace {
@@ -24,8 +25,33 @@ TEST(DecayRates, HoldWhereTheIntervalIsBelowOneAndTheSpreadIsSmall) {
     EXPECT_EQ(narrow.wins, 4);
     EXPECT_NEAR(narrow.spread_percent, 8, 1e-9);
     EXPECT_EQ(compare_decay(Losses{0.5, 0.6, 0.5, 0.5}, mc).verdict, Verdict::kPartly) << "wide";
-    EXPECT_EQ(compare_decay(Losses{2, 2, 2, 2}, mc).verdict, Verdict::kPartly) << "narrow";
+}
+
+TEST(DecayRates, FailWhereTheIntervalIsAboveOneWhateverTheSpread) {
+    const Losses mc{1, 1.1, 1.2, 1};
+    EXPECT_EQ(compare_decay(Losses{2, 2, 2, 2}, mc).verdict, Verdict::kFails) << "narrow";
     EXPECT_EQ(compare_decay(Losses{2, 3, 2, 3}, mc).verdict, Verdict::kFails);
+}
+
+// Losses of one mean with 5 % of noise: the range of nine is some 15 %.
+TEST(DecayRates, DoNotFailByTheSpreadOfNoise) {
+    test::RandomSource random{31};
+    const auto noisy_losses = [&] {
+        Losses losses;
+        for (int k = 0; k < 9; ++k) {
+            double normal = 0;  // about so: a sum of uniforms, of variance 1
+            for (int i = 0; i < 12; ++i) normal += double{random.next(-0.5f, 0.5f)};
+            losses.push_back(1 + 0.05 * normal);
+        }
+        return losses;
+    };
+    int wide = 0;
+    for (int run = 0; run < 1000; ++run) {
+        const DecayComparison c = compare_decay(noisy_losses(), noisy_losses());
+        wide += c.spread_percent >= 10;
+        EXPECT_EQ(c.verdict == Verdict::kFails, c.ratio.low > 1) << run;
+    }
+    EXPECT_GT(wide, 500);
 }
 
 TEST(DecayRates, AreUndecidedWhereTheIntervalIs) {
@@ -69,8 +95,6 @@ TEST(Adam, LossesAreWithoutNoise) {
         << f.measured;
 }
 
-}  // namespace
-}  // namespace burnish
 constexpr std::uint32_t kFrozen = 32;  // iterations, of which the later half counts
 
 /// With e the gradients less the reference, at frozen textures: means over iterations.
@@ -151,3 +175,5 @@ TEST(Adam, ErrorsThatTheReferenceHidesTellNothing) {
         for (std::size_t k = 1; k < row.size(); ++k) EXPECT_EQ(row[k], "too noisy to tell");
 }
 
+}  // namespace
+}  // namespace burnish
