@@ -633,7 +633,7 @@ inline constexpr LedgerEntry kBaselineGradients{
     .name = "gradient/gradients: baseline",
     .catches = "a wrong derivative of any parameter, any texel",
     .alpha = 3e-6,
-    .comparisons = 4,
+    .comparisons = 2,
     .seed = 8000,
     .tests = "ReferenceGradients.OfTheBaselineAgreeInEveryTexel",
     .defects = {{{"one texel 10 % larger", "ReferenceGradientDefects.AreRejected"},
