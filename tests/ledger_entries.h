@@ -385,6 +385,18 @@ inline constexpr LedgerEntry kEstimators{
                  {"reservoirs lost, their confidence kept", "Estimators.DefectsAreRejected"},
                  {"gradient 10 % larger", "Estimators.DefectsAreRejected"}}}};
 
+inline constexpr LedgerEntry kResampledLights{
+    .name = "gradient/estimators: resampled lights",
+    .catches =
+        "bias of `pgris` where light samples are resampled, from candidates of each emitter or of "
+        "some, at any of six iterations",
+    .alpha = 1e-7,
+    .comparisons = 4,
+    .seed = 110000,
+    .tests = "ResampledLights.GiveReservoirsTheExpectationOfUniformOnes",
+    .defects = {{{"gradient a quarter larger",
+                  "ResampledLights.GiveReservoirsTheExpectationOfUniformOnes"}}}};
+
 inline constexpr LedgerEntry kAdaptiveSampling{
     .name = "gradient/adaptive_sampling: expectation",
     .catches =
@@ -623,7 +635,7 @@ inline constexpr LedgerEntry kSummaryLosses{
     .name = "optimize/summary: losses",
     .catches = "a loss at the start, or a noise floor, that noise moves",
     .alpha = 1e-7,
-    .comparisons = 4,
+    .comparisons = 2,
     .seed = 78000,
     .tests = "Summary.LossesHoldNoNoiseOnAverage",
     .defects = {{{"loss of a noisy image", "Summary.LossesHoldNoNoiseOnAverage"},
@@ -633,7 +645,7 @@ inline constexpr LedgerEntry kBaselineGradients{
     .name = "gradient/gradients: baseline",
     .catches = "a wrong derivative of any parameter, any texel",
     .alpha = 3e-6,
-    .comparisons = 2,
+    .comparisons = 4,
     .seed = 8000,
     .tests = "ReferenceGradients.OfTheBaselineAgreeInEveryTexel",
     .defects = {{{"one texel 10 % larger", "ReferenceGradientDefects.AreRejected"},
@@ -754,6 +766,7 @@ inline constexpr const LedgerEntry* kLedger[] = {
     &ledger::kChain,
     &ledger::kVariance,
     &ledger::kEstimators,
+    &ledger::kResampledLights,
     &ledger::kAdaptiveSampling,
     &ledger::kVarianceRatios,
     &ledger::kSlope,
