@@ -79,6 +79,13 @@ WorkNote note_on(NoteLine& line) {
             [&](double done) { line.share(done); }};
 }
 
+/// Of this run something is kept.
+void set_kept(const KeptResults& kept) {
+    set_on_disk(OnDisk::kAll,
+                fmt::format("stopped: the same command goes on with what is kept in {}",
+                            kept.folder.string()));
+}
+
 /// The scene with its target, which is kept.
 TargetScene prepare(const KnownTarget& target, const ReproduceOptions& options,
                     const KeptResults& kept, const std::filesystem::path& own_folder) {
@@ -101,6 +108,7 @@ TargetScene prepare(const KnownTarget& target, const ReproduceOptions& options,
         scene.target = render_target(scene, options, note.share);
         keep(kept, name, made, scene.target);
     }
+    set_kept(kept);
     return scene;
 }
 
@@ -189,6 +197,7 @@ void run_part(const ReproduceOptions& options, const Machine& machine, const Kep
         for (auto& row : f.pictures)
             for (Picture& p : row) p.image = shrink(p.image, kPictureSide);
     keep(kept, name_of(part), made_of(part, options, machine), result);
+    set_kept(kept);
     part.result = std::move(result);
 }
 
@@ -245,9 +254,11 @@ void run_parts(const ReproduceOptions& options, const Machine& machine, const Ke
         else
             missing.push_back(&part);
     }
-    if (missing.size() < parts.size())
+    if (missing.size() < parts.size()) {
+        set_kept(kept);
         log_info(fmt::format("{} of {} parts are kept from an earlier run",
                              parts.size() - missing.size(), parts.size()));
+    }
     // Scene by scene: only one has to be in memory.
     std::stable_sort(missing.begin(), missing.end(),
                      [](const Part* a, const Part* b) { return a->target < b->target; });

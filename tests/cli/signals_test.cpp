@@ -386,6 +386,19 @@ TEST_F(Signals, AReproductionGoesOnWithinARun) {
     EXPECT_EQ(*second.begin(), *first.begin()) << "it began again";
 }
 
+TEST_F(Signals, AReproductionOfWhichNothingIsKeptSaysSo) {
+    // Its target takes minutes.
+    const pid_t pid = start("reproduce derivatives -o r --scene goblet --full");
+    EXPECT_TRUE(wait_for([&] { return fs::exists(lock_of("r")); }));
+    EXPECT_TRUE(works_for(1, pid));
+    const int status = end_within(10, pid, SIGTERM);
+    EXPECT_TRUE(WIFEXITED(status) && WEXITSTATUS(status) == 75) << status;
+    const std::string text = read_text(folder / ".err");
+    EXPECT_TRUE(contains(text, "before anything was kept: the same command begins again")) << text;
+    EXPECT_FALSE(contains(text, "goes on with what is kept")) << text;
+    EXPECT_FALSE(fs::exists(folder / "r.kept"));
+}
+
 TEST_F(Signals, ReproduceLeavesNothing) {
     const pid_t pid = start("reproduce derivatives -o r --scene goblet --size 64 64");
     EXPECT_TRUE(wait_for([&] { return fs::exists(lock_of("r")); }));
