@@ -345,8 +345,8 @@ inline constexpr LedgerEntry kFreshReservoir{
 inline constexpr LedgerEntry kChain{
     .name = "gradient/reservoir: chained merges",
     .catches =
-        "bias after merging, while the target flips its sign and most iterations have no "
-        "candidate",
+        "bias after merging, while the target flips its sign, its zeros move and most iterations "
+        "have no candidate",
     .alpha = 4e-6,
     .comparisons = 4,
     .seed = 201,
@@ -355,7 +355,8 @@ inline constexpr LedgerEntry kChain{
                  {"M counted per hit", "Merge.DefectsOfTheChainAreRejected"},
                  {"confidence per sign", "Merge.DefectsOfTheChainAreRejected"},
                  {"history dropped where its sign flipped", "Merge.DefectsOfTheChainAreRejected"},
-                 {"W rescaled by a ratio of densities", "Merge.DefectsOfTheChainAreRejected"}}}};
+                 {"W rescaled by a ratio of densities", "Merge.DefectsOfTheChainAreRejected"},
+                 {"weights that are constant", "Merge.DefectsOfTheChainAreRejected"}}}};
 
 inline constexpr LedgerEntry kVariance{
     .name = "gradient/reservoir: variance",

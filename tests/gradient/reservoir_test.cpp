@@ -88,15 +88,21 @@ TEST(Reservoir, SortsSamplesBySign) {
     EXPECT_EQ(slot_of(Signs::kAbsolute, -1.0f), 0);
 }
 
-// ---- A sequence of integrands q_v(x) whose sign flips from one iteration to the next [PR fig. 3]
+// ---- A sequence of integrands q_v(x) whose sign flips from one iteration to the next [PR fig. 3],
+// ---- and, in the last ones, whose zeros move: the history has no sample where the target was 0
 
 constexpr int kChainIterations = 8;
 constexpr float kHit = 0.3f;  // candidates per iteration: most iterations have none
 
 float sign_of_iteration(int v) { return v % 2 == 0 ? 1.0f : -1.0f; }
 
+bool is_zero(int v, float x) {
+    return v >= kChainIterations - 3 && (v % 2 == 0 ? x < 0.3f : x > 0.7f);
+}
+
 /// Signed target at iteration v; -1: the one before the first, never read with a confidence.
 float target(int v, float x) {
+    if (is_zero(v, x)) return 0;
     constexpr std::array<float, kChainIterations> kSize{1.0f, 0.8f, 1.1f, 0.9f,
                                                         0.7f, 1.2f, 1.0f, 0.8f};
     const auto i = static_cast<std::size_t>(std::max(v, 0));
@@ -173,6 +179,14 @@ Pair merge_with_update(std::span<const Input> current, std::span<const Input> hi
     for (const Input& y : history) feed(y, weights(y.q_now, y.q_before, c).history);
     return finish(builder);
 }
+
+/// They add up to one, but count on the history where it cannot have a sample.
+struct ConstantWeights {
+    MisWeights operator()(float, float, const Confidence& c) const {
+        const float sum = c.current + c.history;
+        return {c.current / sum, c.history / sum};
+    }
+};
 
 /// Balance weights whose confidences depend on the sign of each target.
 struct PerSignWeights {
@@ -283,6 +297,9 @@ TEST(Merge, DefectsOfTheChainAreRejected) {
         EXPECT_TRUE(rejected(
             kChain, name_of(defect),
             chain_p_value(Signs::kPositivized, defect, DefensiveWeights{}, seed_of(kChain, 1))));
+    EXPECT_TRUE(rejected(
+        kChain, "weights that are constant",
+        chain_p_value(Signs::kPositivized, Defect::kNone, ConstantWeights{}, seed_of(kChain))));
 }
 
 // ---- Before merging
@@ -323,6 +340,8 @@ TEST(Reservoir, EstimateIsUnbiasedBeforeMerging) {
 
 // ---- Weights of the merge
 
+constexpr double kRounding = 1.2e-7;  // two floats, each rounded once
+
 /// The largest |m_current + m_history - 1| over a grid of targets and confidences.
 template <class Weights>
 double worst_sum(const Weights& weights, bool with_zero_now) {
@@ -346,10 +365,29 @@ struct UncappedDenominator {
 };
 
 TEST(MergeWeights, SumToOne) {
-    constexpr double kRounding = 1.2e-7;  // two floats, each rounded once
     EXPECT_LE(worst_sum(BalanceWeights{}, true), kRounding);
     EXPECT_LE(worst_sum(DefensiveWeights{}, false), kRounding);
     EXPECT_GT(worst_sum(UncappedDenominator{}, false), kRounding);
+}
+
+/// The largest |m_history| where the history can have no sample.
+template <class Weights>
+double worst_without_history(const Weights& weights) {
+    double worst = 0;
+    for (const float now : {-3.0f, -1e-20f, 0.0f, 1e-30f, 0.7f, 4e18f})
+        for (const auto& [before, confidence] :
+             {std::pair{0.0f, 1.0f}, {0.0f, 32.0f}, {-0.5f, 0.0f}, {2e19f, 0.0f}}) {
+            const MisWeights m = weights(now, before, Confidence{2.0f, confidence});
+            worst = test::worse(worst, std::fabs(double{m.history}));
+        }
+    return worst;
+}
+
+TEST(MergeWeights, GiveTheHistoryNothingWhereItCanHaveNoSample) {
+    EXPECT_EQ(worst_without_history(BalanceWeights{}), 0);
+    EXPECT_EQ(worst_without_history(DefensiveWeights{}), 0);
+    EXPECT_GT(worst_without_history(ConstantWeights{}), 0);
+    EXPECT_LE(worst_sum(ConstantWeights{}, false), kRounding) << "their sum alone does not tell";
 }
 
 TEST(MergeWeights, AreNothingWhereBothTargetsAre) {

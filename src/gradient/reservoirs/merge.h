@@ -29,7 +29,9 @@ struct Confidence {
     float history = 0;  ///< min(c, M_cap)
 };
 
-/// What each side's sample counts for: m_current(y) + m_history(y) = 1 wherever q_now(y) is not 0.
+/// What each side's sample counts for: m_current(y) + m_history(y) = 1 wherever q_now(y) is not 0,
+/// and m_history(y) = 0 where q_before(y), or the history's confidence, is 0: the history cannot
+/// hold such a y.
 struct MisWeights {
     float current = 0, history = 0;
 };
