@@ -2,90 +2,60 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cctype>
 #include <charconv>
 #include <cmath>
 #include <string_view>
 #include <type_traits>
 
+#include "core/contract.h"
 #include "core/parsed.h"
 
 namespace burnish {
 
 namespace {
 
-constexpr Choice<Sequence> kSequences[] = {{"independent", Sequence::kIndependent},
-                                           {"sobol", Sequence::kSobol}};
-constexpr Choice<Shift> kShifts[] = {{"replay", Shift::kReplay}, {"identity", Shift::kIdentity}};
-constexpr Choice<TargetFunction> kTargetFunctions[] = {{"luminance", TargetFunction::kLuminance},
-                                                       {"integrand", TargetFunction::kIntegrand}};
-constexpr Choice<MergeRule> kMergeRules[] = {{"balance", MergeRule::kBalance},
-                                             {"defensive", MergeRule::kDefensive}};
-constexpr Choice<Loss> kLosses[] = {
+/// To name the values of another type: a row here, and one at the end of this file.
+template <class E>
+constexpr Choice<E> kChoices[] = {};
+template <>
+constexpr Choice<bool> kChoices<bool>[] = {{"true", true}, {"false", false}};
+template <>
+constexpr Choice<Sequence> kChoices<Sequence>[] = {{"independent", Sequence::kIndependent},
+                                                   {"sobol", Sequence::kSobol}};
+template <>
+constexpr Choice<Shift> kChoices<Shift>[] = {{"replay", Shift::kReplay},
+                                             {"identity", Shift::kIdentity}};
+template <>
+constexpr Choice<TargetFunction> kChoices<TargetFunction>[] = {
+    {"luminance", TargetFunction::kLuminance}, {"integrand", TargetFunction::kIntegrand}};
+template <>
+constexpr Choice<MergeRule> kChoices<MergeRule>[] = {{"balance", MergeRule::kBalance},
+                                                     {"defensive", MergeRule::kDefensive}};
+template <>
+constexpr Choice<Loss> kChoices<Loss>[] = {
     {"relmse", Loss::kRelMse}, {"l2", Loss::kL2}, {"l1", Loss::kL1}};
-constexpr Choice<Parameterization> kParameterizations[] = {{"pyramid", Parameterization::kPyramid},
-                                                           {"texels", Parameterization::kTexels}};
-constexpr Choice<Unvisited> kUnvisited[] = {{"fill", Unvisited::kFill}, {"keep", Unvisited::kKeep}};
-constexpr Choice<LightSelection> kLightSelections[] = {{"resampled", LightSelection::kResampled},
-                                                       {"uniform", LightSelection::kUniform},
-                                                       {"power", LightSelection::kPower},
-                                                       {"tree", LightSelection::kTree}};
-constexpr Choice<bool> kBools[] = {{"true", true}, {"false", false}};
-
-Reservoirs reservoirs(bool positivization, bool reuse) {
-    Reservoirs r;
-    r.positivization = positivization, r.reuse = reuse;
-    return r;
-}
-const Choice<Estimator> kEstimators[] = {
-    {"path_cache", PathCache{}},       {"mc", MonteCarlo{}},
-    {"ris", reservoirs(false, false)}, {"pris", reservoirs(true, false)},
-    {"gris", reservoirs(false, true)}, {"pgris", reservoirs(true, true)}};
-
-}  // namespace
-
 template <>
-std::span<const Choice<Sequence>> choices() {
-    return kSequences;
-}
+constexpr Choice<Parameterization> kChoices<Parameterization>[] = {
+    {"pyramid", Parameterization::kPyramid}, {"texels", Parameterization::kTexels}};
 template <>
-std::span<const Choice<Shift>> choices() {
-    return kShifts;
-}
+constexpr Choice<Unvisited> kChoices<Unvisited>[] = {{"fill", Unvisited::kFill},
+                                                     {"keep", Unvisited::kKeep}};
 template <>
-std::span<const Choice<TargetFunction>> choices() {
-    return kTargetFunctions;
-}
+constexpr Choice<LightSelection> kChoices<LightSelection>[] = {
+    {"resampled", LightSelection::kResampled},
+    {"uniform", LightSelection::kUniform},
+    {"power", LightSelection::kPower},
+    {"tree", LightSelection::kTree}};
 template <>
-std::span<const Choice<MergeRule>> choices() {
-    return kMergeRules;
-}
-template <>
-std::span<const Choice<Loss>> choices() {
-    return kLosses;
-}
-template <>
-std::span<const Choice<Parameterization>> choices() {
-    return kParameterizations;
-}
-template <>
-std::span<const Choice<Unvisited>> choices() {
-    return kUnvisited;
-}
-template <>
-std::span<const Choice<LightSelection>> choices() {
-    return kLightSelections;
-}
-template <>
-std::span<const Choice<bool>> choices() {
-    return kBools;
-}
-template <>
-std::span<const Choice<Estimator>> choices() {
-    return kEstimators;
-}
-
-namespace {
+constexpr Choice<Estimator> kChoices<Estimator>[] = {
+    {"path_cache", PathCache{}},
+    {"mc", MonteCarlo{}},
+    {"ris", Reservoirs{.positivization = false, .reuse = false}},
+    {"pris", Reservoirs{.positivization = true, .reuse = false}},
+    {"gris", Reservoirs{.positivization = false, .reuse = true}},
+    {"pgris", Reservoirs{.positivization = true, .reuse = true}}};
 
 template <class T>
 struct OptionalOf {
@@ -116,14 +86,16 @@ bool same_choice(const Estimator& a, const Estimator& b) {
 
 template <class E>
 const char* choice_name(const E& value) {
-    for (const Choice<E>& c : choices<E>())
-        if (same_choice(c.value, value)) return c.name;
-    return "";
+    const auto* const end = std::end(kChoices<E>);
+    const auto* const found = std::find_if(
+        std::begin(kChoices<E>), end, [&](const auto& c) { return same_choice(c.value, value); });
+    BURNISH_REQUIRE(found, !=, end);
+    return found->name;
 }
 
 template <class E>
 bool choose(const std::string& text, E& value) {
-    for (const Choice<E>& c : choices<E>()) {
+    for (const Choice<E>& c : kChoices<E>) {
         if (text != c.name) continue;
         value = c.value;
         return true;
@@ -154,6 +126,11 @@ void read_number(const std::string& text, double number, T& value) {
 }
 
 }  // namespace
+
+template <class E>
+std::span<const Choice<E>> choices() {
+    return kChoices<E>;
+}
 
 const char* name_of(const Estimator& estimator) { return choice_name(estimator); }
 
@@ -253,27 +230,32 @@ std::string placeholder(const OptionInfo& info) {
     template std::string from_text(const OptionInfo&, const std::string&, T&); \
     template std::string expected_text<T>(const OptionInfo&);                  \
     template std::string placeholder<T>(const OptionInfo&);
-BURNISH_OPTION_VALUE(bool)
 BURNISH_OPTION_VALUE(int)
 BURNISH_OPTION_VALUE(float)
 BURNISH_OPTION_VALUE(double)
 BURNISH_OPTION_VALUE(std::uint32_t)
 BURNISH_OPTION_VALUE(std::size_t)
 BURNISH_OPTION_VALUE(std::string)
-BURNISH_OPTION_VALUE(Sequence)
-BURNISH_OPTION_VALUE(Shift)
-BURNISH_OPTION_VALUE(TargetFunction)
-BURNISH_OPTION_VALUE(MergeRule)
-BURNISH_OPTION_VALUE(Loss)
-BURNISH_OPTION_VALUE(Parameterization)
-BURNISH_OPTION_VALUE(Unvisited)
-BURNISH_OPTION_VALUE(LightSelection)
-BURNISH_OPTION_VALUE(Estimator)
 BURNISH_OPTION_VALUE(std::optional<bool>)
 BURNISH_OPTION_VALUE(std::optional<float>)
 BURNISH_OPTION_VALUE(std::optional<double>)
 BURNISH_OPTION_VALUE(std::optional<std::uint32_t>)
 BURNISH_OPTION_VALUE(std::optional<Estimator>)
+
+#define BURNISH_CHOICE(E)                          \
+    template std::span<const Choice<E>> choices(); \
+    BURNISH_OPTION_VALUE(E)
+BURNISH_CHOICE(bool)
+BURNISH_CHOICE(Sequence)
+BURNISH_CHOICE(Shift)
+BURNISH_CHOICE(TargetFunction)
+BURNISH_CHOICE(MergeRule)
+BURNISH_CHOICE(Loss)
+BURNISH_CHOICE(Parameterization)
+BURNISH_CHOICE(Unvisited)
+BURNISH_CHOICE(LightSelection)
+BURNISH_CHOICE(Estimator)
+#undef BURNISH_CHOICE
 #undef BURNISH_OPTION_VALUE
 
 }  // namespace burnish

@@ -33,7 +33,8 @@ struct OptionInfo {
     double unset_value = 0.0;  ///< the number that it stands for; not of std::optional
 };
 
-/// The names of the values of an enumeration, and of Estimator.
+/// The names of the values of an enumeration, of bool, and of Estimator: all of kChoices in the
+/// source file.
 template <class E>
 struct Choice {
     const char* name;
@@ -41,26 +42,6 @@ struct Choice {
 };
 template <class E>
 std::span<const Choice<E>> choices();
-template <>
-std::span<const Choice<Sequence>> choices();
-template <>
-std::span<const Choice<Shift>> choices();
-template <>
-std::span<const Choice<TargetFunction>> choices();
-template <>
-std::span<const Choice<MergeRule>> choices();
-template <>
-std::span<const Choice<Loss>> choices();
-template <>
-std::span<const Choice<Parameterization>> choices();
-template <>
-std::span<const Choice<Unvisited>> choices();
-template <>
-std::span<const Choice<LightSelection>> choices();
-template <>
-std::span<const Choice<bool>> choices();
-template <>
-std::span<const Choice<Estimator>> choices();
 
 /// "a, b, c": the names of the values that are admitted.
 template <class E>
