@@ -31,6 +31,7 @@
 #include "image/files.h"
 #include "optimize/checkpoint.h"
 #include "optimize/loss.h"
+#include "optimize/option_table.h"
 #include "optimize/ranks.h"
 #include "optimize/views.h"
 
@@ -245,7 +246,9 @@ void run_to_the_end(const Task& task, OutputFolder& output, std::optional<Checkp
                  " exists from an earlier run: replacing it when this run is done");
     if (!is_unbiased(settings.options.loss))
         log_warning(
-            "the derivative of the loss l1 is not affine in the image: noise biases its gradient");
+            fmt::format("the derivative of the loss {} is not affine in the image: noise "
+                        "biases its gradient",
+                        get_option(*find_option("loss"), settings.options)));
     const ThreadLimit threads(settings.run.threads);
     RunResult run;
     run.settings = settings, run.asked = task.asked;

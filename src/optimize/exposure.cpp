@@ -77,22 +77,37 @@ std::vector<Kink> kinks_of(const ImageHalves& halves, const WeightedPicture& pic
     return kinks;
 }
 
-/// The best factor of each channel, or of all together in the first.
-Sums best_factors(bool by_channel, Loss loss, const ImageHalves& halves,
-                  const WeightedPicture& picture) {
-    if (loss == Loss::kL1) {
-        std::array<std::vector<Kink>, 3> kinks;
-        for (int c = 0; c < 3; ++c) {
-            auto& to = kinks[by_channel ? static_cast<std::size_t>(c) : 0];
-            const std::vector<Kink> own = kinks_of(halves, picture, c);
-            to.insert(to.end(), own.begin(), own.end());
-        }
-        return {median_ratio(std::move(kinks[0])), median_ratio(std::move(kinks[1])),
-                median_ratio(std::move(kinks[2]))};
-    }
+/// Of a sum of squares.
+Sums least_squares(bool by_channel, Loss loss, const ImageHalves& halves,
+                   const WeightedPicture& picture) {
     const NormalEquation n = sum_squares(loss, halves, picture);
     if (by_channel) return {n.gi[0] / n.ii[0], n.gi[1] / n.ii[1], n.gi[2] / n.ii[2]};
     return {(n.gi[0] + n.gi[1] + n.gi[2]) / (n.ii[0] + n.ii[1] + n.ii[2]), 0, 0};
+}
+
+/// Of a sum of absolute values.
+Sums median_ratios(bool by_channel, const ImageHalves& halves, const WeightedPicture& picture) {
+    std::array<std::vector<Kink>, 3> kinks;
+    for (int c = 0; c < 3; ++c) {
+        auto& to = kinks[by_channel ? static_cast<std::size_t>(c) : 0];
+        const std::vector<Kink> own = kinks_of(halves, picture, c);
+        to.insert(to.end(), own.begin(), own.end());
+    }
+    return {median_ratio(std::move(kinks[0])), median_ratio(std::move(kinks[1])),
+            median_ratio(std::move(kinks[2]))};
+}
+
+/// The best factor of each channel, or of all together in the first.
+Sums best_factors(bool by_channel, Loss loss, const ImageHalves& halves,
+                  const WeightedPicture& picture) {
+    switch (loss) {
+        case Loss::kRelMse:
+        case Loss::kL2:
+            return least_squares(by_channel, loss, halves, picture);
+        case Loss::kL1:
+            return median_ratios(by_channel, halves, picture);
+    }
+    return {};
 }
 
 }  // namespace

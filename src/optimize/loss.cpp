@@ -16,9 +16,16 @@ struct Term {
 
 Term loss_term(Loss loss, double i, double g) {
     const double d = i - g;
-    if (loss == Loss::kL1) return {std::fabs(d), d > 0 ? 1.0 : d < 0 ? -1.0 : 0.0};
-    const double scale = square_weight(loss, g);
-    return {d * d * scale, 2 * d * scale};
+    switch (loss) {
+        case Loss::kRelMse:
+        case Loss::kL2: {
+            const double scale = square_weight(loss, g);
+            return {d * d * scale, 2 * d * scale};
+        }
+        case Loss::kL1:
+            return {std::fabs(d), d > 0 ? 1.0 : d < 0 ? -1.0 : 0.0};
+    }
+    return {};
 }
 
 /// Calls body(x, c, derivative) for every value of a row; returns the sum of the terms.
@@ -64,7 +71,16 @@ double square_weight(Loss loss, double g) {
     return 0;
 }
 
-bool is_unbiased(Loss loss) { return loss != Loss::kL1; }
+bool is_unbiased(Loss loss) {
+    switch (loss) {
+        case Loss::kRelMse:
+        case Loss::kL2:
+            return true;
+        case Loss::kL1:
+            return false;
+    }
+    return false;
+}
 
 LossValue evaluate_loss(Loss loss, const Image& image, const Image& target, const Image& mask) {
     LossValue result;
