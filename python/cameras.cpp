@@ -46,15 +46,18 @@ nb::object to_array(const Matrix& m) {
     return array;
 }
 
+/// All that exist.
 constexpr std::pair<const char*, LensKind> kLenses[] = {{"pinhole", LensKind::kPinhole},
                                                         {"brown_conrady", LensKind::kBrownConrady},
                                                         {"fisheye", LensKind::kFisheye}};
 
 LensKind lens_kind(const std::string& name) {
-    for (const auto& [known, kind] : kLenses)
-        if (name == known) return kind;
-    throw InputError("the lens is \"" + name +
-                     "\", expected one of pinhole, brown_conrady, fisheye");
+    std::string known;
+    for (const auto& [own, kind] : kLenses) {
+        if (name == own) return kind;
+        known += (known.empty() ? "" : ", ") + std::string(own);
+    }
+    throw InputError("the lens is \"" + name + "\", expected one of " + known);
 }
 
 const char* name_of(LensKind kind) {
@@ -64,7 +67,15 @@ const char* name_of(LensKind kind) {
 }
 
 std::size_t coefficient_count(LensKind kind) {
-    return kind == LensKind::kPinhole ? 0 : kind == LensKind::kFisheye ? 4 : 8;
+    switch (kind) {
+        case LensKind::kPinhole:
+            return 0;
+        case LensKind::kBrownConrady:
+            return 8;
+        case LensKind::kFisheye:
+            return 4;
+    }
+    return 0;
 }
 
 Lens make_lens(const std::string& kind, const std::vector<double>& coefficients) {

@@ -82,12 +82,14 @@ struct PathCache {
     friend bool operator==(const PathCache&, const PathCache&) = default;
 };
 
-/// How the gradient is estimated. To add one: here, its folder in src/gradient/, and what the
-/// compiler then asks for.
+/// How the gradient is estimated. To add one: here, its folder in src/gradient/, its name in
+/// optimize/option_value.cpp, its options in optimize/option_table.cpp, and what the compiler then
+/// asks for.
 using Estimator = std::variant<PathCache, Reservoirs, MonteCarlo>;
 
 /// What is minimised between an image I and its target G. An unbiased gradient needs a derivative
-/// that is affine in I.
+/// that is affine in I. To add one: here, its name in optimize/option_value.cpp, and what the
+/// compiler then asks for.
 enum class Loss {
     kRelMse,  ///< mean of (I - G)^2 / (G^2 + 0.01)
     kL2,      ///< mean of (I - G)^2
@@ -119,7 +121,8 @@ struct Adam {
     friend bool operator==(const Adam&, const Adam&) = default;
 };
 
-/// What the optimiser moves.
+/// What the optimiser moves. To add one: here, its name in optimize/option_value.cpp, and what the
+/// compiler then asks for.
 enum class Parameterization {
     kPyramid,  ///< a sum of levels of halved resolution: neighbouring texels share evidence
     kTexels,   ///< every texel on its own: the paper's

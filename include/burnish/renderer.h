@@ -13,7 +13,8 @@
 
 namespace burnish {
 
-/// Which light a light sample goes to. To add one: here and in paths/light_selection.h.
+/// Which light a light sample goes to. To add one: here, its name in optimize/option_value.cpp,
+/// what it needs to know in paths/light_selection.h, and what the compiler then asks for.
 enum class LightSelection {
     kUniform,  ///< every emitter equally often, as Mitsuba does
     kPower,    ///< by luminous power, whatever the position

@@ -15,7 +15,8 @@ namespace burnish {
 using Matrix = std::array<double, 16>;
 inline constexpr Matrix kIdentityMatrix{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
 
-/// What bends a camera's rays. To add one: here, and where the compiler asks.
+/// What bends a camera's rays. To add one: here, its name in python/cameras.cpp, and where the
+/// compiler asks; which files have it: captures/camera_model.cpp.
 enum class LensKind {
     kPinhole,       ///< nothing; no coefficient
     kBrownConrady,  ///< radial and tangential: k1 k2 p1 p2 k3 k4 k5 k6, as OpenCV and COLMAP

@@ -34,7 +34,6 @@ bool reuses(const Options& o) {
     const auto* r = std::get_if<Reservoirs>(&o.estimator);
     return r && r->reuse;
 }
-bool has_pyramid(const Options& o) { return o.parameterization == Parameterization::kPyramid; }
 bool has_levels(const Options& o) { return has_pyramid(o) && o.pyramid.levels > 1; }
 
 constexpr OptionCondition kPathCache{"the estimator path_cache", holds<PathCache>};

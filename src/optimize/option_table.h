@@ -48,6 +48,17 @@ bool is_held(const OptionRow& row, const Options& options);
 /// Whether the option can change a result under these options.
 bool has_effect(const OptionRow& row, const Options& options);
 
+/// Whether the optimiser moves a pyramid: Options::pyramid has an effect.
+inline bool has_pyramid(const Options& options) {
+    switch (options.parameterization) {
+        case Parameterization::kPyramid:
+            return true;
+        case Parameterization::kTexels:
+            return false;
+    }
+    return false;
+}
+
 /// The option's value as text. Throws InputError where the options hold another estimator.
 std::string get_option(const OptionRow& row, const Options& options);
 

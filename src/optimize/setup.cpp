@@ -75,7 +75,7 @@ AdamOptions adam_of(const Options& o, const Bitmap& bitmap, StartKind start, boo
     adam.gate = uses_gate(o) && (o.adam.gate || bitmap.width > 1 || bitmap.height > 1);
     adam.initial_rate = o.adam.initial_rate.value_or(
         uses_gate(o) && start != StartKind::kSearched ? kGatedInitialRate : 0.0f);
-    if (o.parameterization == Parameterization::kPyramid)
+    if (has_pyramid(o))
         adam.weight_decay = o.pyramid.weight_decay,
         adam.damping = is_guided ? kGuidedDamping : kDamping;
     return adam;
@@ -97,8 +97,7 @@ double default_rate(const Scene& scene, std::span<const TextureId> unknowns, Tex
 PyramidMaps maps_of(const Scene& scene, const Options& o, TextureId texture,
                     const ChartMap& charts) {
     const auto& bitmap = std::get<Bitmap>(scene[texture]);
-    if (o.parameterization == Parameterization::kTexels)
-        return make_maps(1, bitmap.width, bitmap.height, {}, false);
+    if (!has_pyramid(o)) return make_maps(1, bitmap.width, bitmap.height, {}, false);
     return make_maps(o.pyramid.levels, bitmap.width, bitmap.height, charts,
                      bitmap.wrap == TextureWrap::kRepeat);
 }
@@ -112,8 +111,7 @@ std::optional<std::size_t> which_fitted(const Setup& setup, std::size_t view) {
 }
 
 bool uses_gate(const Options& o) {
-    const bool wanted = o.adam.gate.value_or(o.parameterization == Parameterization::kPyramid);
-    return wanted && has_split_gradient(o.estimator);
+    return o.adam.gate.value_or(has_pyramid(o)) && has_split_gradient(o.estimator);
 }
 
 Stop effective_stop(const Options& options) {

@@ -149,9 +149,45 @@ void set_infinite(const EmitterSummary& emitters, LightSelector& s) {
     }
 }
 
-/// Whether all emitters are chosen alike; a lone one is.
-bool is_uniform(const LightSelector& s) {
-    return s.selection == LightSelection::kUniform || s.emitters == 1;
+void set_table(const EmitterSummary& emitters, LightSelector& s) {
+    s.by_power = make_power_table(emitters);
+    for (const float p : s.by_power.probability)  // each candidate draws from a part of it
+        s.inverse_probability.push_back(1 / (static_cast<float>(candidates_of(s)) * p));
+}
+
+void set_tree(const EmitterSummary& emitters, LightSelector& s) {
+    s.has_tree = !emitters.bounds.empty();
+    if (s.has_tree) s.tree = build_light_tree(emitters.bounds, emitters.emitter, emitters.count);
+}
+
+SelectedEmitter select_by_power(const LightSelector& s, const std::array<float, 4>& u,
+                                std::uint32_t candidate) {
+    const double part = candidate + fine_uniform(u);
+    const auto drawn = sample_alias_table(s.by_power, part / candidates_of(s));
+    return {drawn.index, s.inverse_probability[drawn.index],
+            std::min(static_cast<float>(drawn.remainder), 0x1.fffffep-1f)};
+}
+
+std::array<float, 4> lane_of(const std::array<Packet, 4>& u, int lane) {
+    return {get(u[0], lane), get(u[1], lane), get(u[2], lane), get(u[3], lane)};
+}
+
+std::array<SelectedEmitter, kLanes> select_by_tree(const LightSelector& s,
+                                                   const Vec3<Packet>& position,
+                                                   const std::array<Packet, 4>& u) {
+    const Packet share = share_of_infinite(s, position);
+    LightWalks walks;
+    for (int lane = 0; lane < kLanes; ++lane) {
+        const auto k = static_cast<std::size_t>(lane);
+        const LightWalk walk = begin_walk(s, get(share, lane), fine_uniform(lane_of(u, lane)));
+        walks.u[k] = walk.u, walks.next[k] = walk.next;
+        walks.begin[k] = walk.interval.begin, walks.width[k] = walk.interval.width;
+    }
+    walk_light_tree(s.tree, position, walks);
+    std::array<SelectedEmitter, kLanes> selected;
+    for (std::size_t k = 0; k < kLanes; ++k)
+        selected[k] = end_of({walks.u[k], {walks.begin[k], walks.width[k]}, walks.next[k]});
+    return selected;
 }
 
 }  // namespace
@@ -161,71 +197,85 @@ LightSelector build_light_selector(const EmitterSummary& emitters, LightSelectio
     s.selection = selection;
     s.emitters = static_cast<std::uint32_t>(emitters.count);
     set_infinite(emitters, s);
-    if (selection == LightSelection::kPower || selection == LightSelection::kResampled) {
-        s.by_power = make_power_table(emitters);
-        for (const float p : s.by_power.probability)  // each candidate draws from a part of it
-            s.inverse_probability.push_back(1 / (static_cast<float>(candidates_of(s)) * p));
+    switch (selection) {
+        case LightSelection::kUniform:
+            break;
+        case LightSelection::kPower:
+        case LightSelection::kResampled:
+            set_table(emitters, s);
+            break;
+        case LightSelection::kTree:
+            set_tree(emitters, s);
+            break;
     }
-    if (selection != LightSelection::kTree) return s;
-    s.has_tree = !emitters.bounds.empty();
-    if (s.has_tree) s.tree = build_light_tree(emitters.bounds, emitters.emitter, emitters.count);
     return s;
 }
 
 SelectedEmitter select_emitter(const LightSelector& s, const Vec3f& position,
                                const std::array<float, 4>& u, std::uint32_t candidate) {
-    if (is_uniform(s)) return select_uniformly(s.emitters, u[0]);
-    if (has_candidate_of_each(s)) return {candidate, 1, u[0]};
-    if (s.selection == LightSelection::kTree) return select_by_tree(s, position, fine_uniform(u));
-    const double part = candidate + fine_uniform(u);
-    const auto drawn = sample_alias_table(s.by_power, part / candidates_of(s));
-    return {drawn.index, s.inverse_probability[drawn.index],
-            std::min(static_cast<float>(drawn.remainder), 0x1.fffffep-1f)};
+    if (s.emitters == 1) return select_uniformly(s.emitters, u[0]);
+    switch (s.selection) {
+        case LightSelection::kUniform:
+            return select_uniformly(s.emitters, u[0]);
+        case LightSelection::kPower:
+            return select_by_power(s, u, candidate);
+        case LightSelection::kTree:
+            return select_by_tree(s, position, fine_uniform(u));
+        case LightSelection::kResampled:
+            if (has_candidate_of_each(s)) return {candidate, 1, u[0]};
+            return select_by_power(s, u, candidate);
+    }
+    return {};
 }
 
 std::array<SelectedEmitter, kLanes> select_emitters(
     const LightSelector& s, const Vec3<Packet>& position, const std::array<Packet, 4>& u,
     const std::array<std::uint32_t, kLanes>& candidate) {
-    const auto uniforms = [&](int k) {
-        return std::array<float, 4>{get(u[0], k), get(u[1], k), get(u[2], k), get(u[3], k)};
-    };
-    std::array<SelectedEmitter, kLanes> selected;
-    if (is_uniform(s) || s.selection != LightSelection::kTree) {
-        for (int lane = 0; lane < kLanes; ++lane) {
-            const auto k = static_cast<std::size_t>(lane);
-            selected[k] = select_emitter(s, Vec3f{}, uniforms(lane), candidate[k]);
-        }
-        return selected;
+    switch (s.selection) {
+        case LightSelection::kUniform:
+        case LightSelection::kPower:
+        case LightSelection::kResampled:
+            break;
+        case LightSelection::kTree:
+            if (s.emitters > 1) return select_by_tree(s, position, u);
+            break;
     }
-    const Packet share = share_of_infinite(s, position);
-    LightWalks walks;
+    std::array<SelectedEmitter, kLanes> selected;  // whatever the position
     for (int lane = 0; lane < kLanes; ++lane) {
         const auto k = static_cast<std::size_t>(lane);
-        const LightWalk walk = begin_walk(s, get(share, lane), fine_uniform(uniforms(lane)));
-        walks.u[k] = walk.u, walks.next[k] = walk.next;
-        walks.begin[k] = walk.interval.begin, walks.width[k] = walk.interval.width;
+        selected[k] = select_emitter(s, Vec3f{}, lane_of(u, lane), candidate[k]);
     }
-    walk_light_tree(s.tree, position, walks);
-    for (std::size_t k = 0; k < kLanes; ++k)
-        selected[k] = end_of({walks.u[k], {walks.begin[k], walks.width[k]}, walks.next[k]});
     return selected;
 }
 
 float inverse_probability(const LightSelector& s, const Vec3f& position, std::uint32_t emitter) {
-    if (is_uniform(s)) return static_cast<float>(s.emitters);
-    if (has_candidate_of_each(s)) return 1;
-    if (s.selection == LightSelection::kTree)
-        return inverse_probability_in_tree(s, position, emitter);
-    return s.inverse_probability[emitter];
+    if (s.emitters == 1) return 1;
+    switch (s.selection) {
+        case LightSelection::kUniform:
+            return static_cast<float>(s.emitters);
+        case LightSelection::kPower:
+            return s.inverse_probability[emitter];
+        case LightSelection::kTree:
+            return inverse_probability_in_tree(s, position, emitter);
+        case LightSelection::kResampled:
+            return has_candidate_of_each(s) ? 1 : s.inverse_probability[emitter];
+    }
+    return 0;
 }
 
 template <class T>
 T inverse_probability_at_infinity(const LightSelector& s, const Vec3<T>& position) {
-    if (is_uniform(s)) return T(static_cast<float>(s.emitters));
-    if (has_candidate_of_each(s)) return T(1.0f);
-    if (s.selection == LightSelection::kTree)
-        return T(1.0f) / (share_of_infinite(s, position) * T(s.sky_share));
-    return T(s.inverse_probability[static_cast<std::size_t>(s.sky)]);
+    switch (s.selection) {
+        case LightSelection::kUniform:
+        case LightSelection::kPower:
+        case LightSelection::kResampled:
+            break;
+        case LightSelection::kTree:
+            if (s.emitters > 1) return T(1.0f) / (share_of_infinite(s, position) * T(s.sky_share));
+            break;
+    }
+    // Whatever the position.
+    return T(inverse_probability(s, Vec3f{}, static_cast<std::uint32_t>(s.sky)));
 }
 template float inverse_probability_at_infinity(const LightSelector&, const Vec3f&);
 template Packet inverse_probability_at_infinity(const LightSelector&, const Vec3<Packet>&);

@@ -61,8 +61,15 @@ inline bool has_candidate_of_each(const LightSelector& s) {
 }
 /// At least 1.
 inline std::uint32_t candidates_of(const LightSelector& s) {
-    if (s.selection != LightSelection::kResampled) return 1;
-    return has_candidate_of_each(s) ? s.emitters : kDrawnCandidates;
+    switch (s.selection) {
+        case LightSelection::kUniform:
+        case LightSelection::kPower:
+        case LightSelection::kTree:
+            return 1;
+        case LightSelection::kResampled:
+            return has_candidate_of_each(s) ? s.emitters : kDrawnCandidates;
+    }
+    return 1;
 }
 
 struct SelectedEmitter {

@@ -1,6 +1,7 @@
 #include "shading/camera.h"
 
 #include "core/angle.h"
+#include "core/contract.h"
 
 namespace burnish {
 
@@ -45,8 +46,7 @@ CameraRay<float> bent_ray(const CameraRays& c, const Vec2f& film_position) {
     if (!local) return {c.eye, narrow(b.axes[2]), -1};
     const Vec3f direction =
         narrow(b.axes[0] * local->x + b.axes[1] * local->y + b.axes[2] * local->z);
-    const bool by_plane = b.lens.lens.kind != LensKind::kFisheye;
-    const float distance = by_plane ? static_cast<float>(1 / local->z) : 1;
+    const float distance = sees_by_plane(b.lens.lens.kind) ? static_cast<float>(1 / local->z) : 1;
     return {c.eye + direction * (c.near_clip * distance), direction,
             (c.far_clip - c.near_clip) * distance};
 }
@@ -101,9 +101,18 @@ CameraRay<T> thin_lens_ray(const CameraRays& c, const Vec2<T>& film_position,
 template <class T>
 CameraRay<T> ray_of_kind(const CameraRays& c, const Vec2<T>& film_position,
                          const Vec2<T>& aperture) {
-    if (c.kind == CameraKind::kBent) return bent_ray(c, film_position);
-    if (c.kind == CameraKind::kOrthographic) return orthographic_ray(c, film_position);
-    return thin_lens_ray(c, film_position, aperture);
+    switch (c.kind) {
+        case CameraKind::kPinhole:
+            break;
+        case CameraKind::kBent:
+            return bent_ray(c, film_position);
+        case CameraKind::kOrthographic:
+            return orthographic_ray(c, film_position);
+        case CameraKind::kThinLens:
+            return thin_lens_ray(c, film_position, aperture);
+    }
+    BURNISH_REQUIRE(c.kind, !=, CameraKind::kPinhole);
+    return {};
 }
 
 }  // namespace

@@ -29,6 +29,8 @@ struct BentRays {
     std::array<Vec3<double>, 3> axes = {};
 };
 
+/// To add one: here and in make_camera_rays, its numbers in scene/camera.h, its sensor in
+/// mitsuba/sensor.cpp, what it sees in render/visible_pixels.cpp, and where the compiler asks.
 enum class CameraKind { kPinhole, kBent, kOrthographic, kThinLens };
 
 /// A camera and a film, ready to make rays.

@@ -37,13 +37,24 @@ Slope radial_factor(const Lens& lens, double t) {
     return {g, (n.derivative - g * d.derivative) / d.value};
 }
 
+/// |u| / radius of a squared radius t, without the tangential part.
+Slope profile_factor(const Lens& lens, double t) {
+    const auto& c = lens.coefficients;
+    switch (lens.kind) {
+        case LensKind::kPinhole:
+            return {1, 0};
+        case LensKind::kBrownConrady:
+            return radial_factor(lens, t);
+        case LensKind::kFisheye:
+            return polynomial(std::array{1.0, c[0], c[1], c[2], c[3]}, t);
+    }
+    return {};
+}
+
 /// |u| of the radius |p| or the angle, without the tangential part.
 Slope profile(const Lens& lens, double radius) {
     const double t = radius * radius;
-    const auto& c = lens.coefficients;
-    const Slope g = lens.kind == LensKind::kFisheye
-                        ? polynomial(std::array{1.0, c[0], c[1], c[2], c[3]}, t)
-                        : radial_factor(lens, t);
+    const Slope g = profile_factor(lens, t);
     return {radius * g.value, g.value + 2 * t * g.derivative};
 }
 
@@ -77,10 +88,7 @@ Distorted brown_conrady(const Lens& lens, const Vec2<double>& p) {
              diagonal + outer * p.y * p.y + 4 * p.y * q.y}};
 }
 
-/// Whether the Jacobian is positive definite on a circle around the axis. Written so that numbers
-/// that are not finite, as beyond a pole, mean no.
-bool grows(const Lens& lens, double radius) {
-    if (lens.kind == LensKind::kFisheye) return profile(lens, radius).derivative > kMinSlope;
+bool grows_around(const Lens& lens, double radius) {
     const int steps = norm(tangential(lens)) > 0 ? 64 : 1;
     for (int i = 0; i < steps; ++i) {
         const double angle = 2 * std::numbers::pi * i / steps;
@@ -90,15 +98,28 @@ bool grows(const Lens& lens, double radius) {
     return true;
 }
 
+/// Whether the Jacobian is positive definite on a circle around the axis. Written so that numbers
+/// that are not finite, as beyond a pole, mean no.
+bool grows(const Lens& lens, double radius) {
+    switch (lens.kind) {
+        case LensKind::kPinhole:
+            return true;
+        case LensKind::kBrownConrady:
+            return grows_around(lens, radius);
+        case LensKind::kFisheye:
+            return profile(lens, radius).derivative > kMinSlope;
+    }
+    return false;
+}
+
 /// |p| or the angle at an angle to the axis.
 double radius_at(LensKind kind, double angle) {
-    return kind == LensKind::kFisheye ? angle : std::tan(angle);
+    return sees_by_plane(kind) ? std::tan(angle) : angle;
 }
 
 double field_radius(const Lens& lens) {
     constexpr int kSteps = 2048;
-    const double widest =
-        lens.kind == LensKind::kFisheye ? std::numbers::pi : 89 * std::numbers::pi / 180;
+    const double widest = sees_by_plane(lens.kind) ? 89 * std::numbers::pi / 180 : std::numbers::pi;
     const auto outside = [&](double angle) { return !grows(lens, radius_at(lens.kind, angle)); };
     for (int i = 1; i <= kSteps; ++i) {
         if (!outside(widest * i / kSteps)) continue;
@@ -210,6 +231,17 @@ std::optional<Vec3<double>> undistort_brown_conrady(const FieldLens& lens,
 }
 
 }  // namespace
+
+bool sees_by_plane(LensKind kind) {
+    switch (kind) {
+        case LensKind::kPinhole:
+        case LensKind::kBrownConrady:
+            return true;
+        case LensKind::kFisheye:
+            return false;
+    }
+    return true;
+}
 
 FieldLens with_field(const Lens& lens, double reach) {
     FieldLens field{lens};

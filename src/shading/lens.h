@@ -28,6 +28,10 @@ struct FieldLens {
     double reach = 0;
 };
 
+/// Whether all directions that it sees meet a plane in front of it: its radius is that of (x / z,
+/// y / z). Otherwise it is the angle to the axis.
+bool sees_by_plane(LensKind kind);
+
 /// reach: |u| to which the film extends, above 0; beyond it, what is undone takes longer.
 FieldLens with_field(const Lens& lens, double reach);
 
