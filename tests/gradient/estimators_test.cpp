@@ -14,6 +14,7 @@
 #include "gradient/estimator.h"
 #include "gradient/estimator_script.h"
 #include "optimize/loss.h"
+#include "optimize/option_value.h"
 #include "render/render.h"
 
 namespace burnish {
@@ -58,13 +59,6 @@ struct Expectation {
     }
 };
 
-constexpr TargetFunction kTargetFunctions[] = {TargetFunction::kLuminance,
-                                               TargetFunction::kIntegrand};
-
-const char* name_of(TargetFunction target) {
-    return target == TargetFunction::kLuminance ? "luminance" : "integrand";
-}
-
 Reservoirs with(Reservoirs options, TargetFunction target) {
     options.target_function = target;
     options.confidence_cap = 4;
@@ -85,29 +79,30 @@ TEST(SmallScene, HasTexelsThatAreHitRarely) {
     EXPECT_GT(*std::max_element(hits.begin(), hits.end()), 0.99);
 }
 
-void expect_agreement_without_history(const Expectation& expected, TargetFunction target) {
-    for (const Estimator& e :
-         {Estimator{mc()}, Estimator{with(ris(), target)}, Estimator{with(pris(), target)}})
-        EXPECT_TRUE(accepted(kEstimators, fmt::format("{}, {}", test::name_of(e), name_of(target)),
+void expect_agreement_without_history(const Expectation& expected,
+                                      const Choice<TargetFunction>& target) {
+    for (const Estimator& e : {Estimator{mc()}, Estimator{with(ris(), target.value)},
+                               Estimator{with(pris(), target.value)}})
+        EXPECT_TRUE(accepted(kEstimators, fmt::format("{}, {}", test::name_of(e), target.name),
                              expected.p_value(e)));
 }
 
-void expect_agreement_with_history(const Expectation& expected, TargetFunction target) {
-    for (Reservoirs options : {with(gris(), target), with(pgris(), target)})
-        for (const Shift shift : {Shift::kReplay, Shift::kIdentity})
-            for (const MergeRule rule : {MergeRule::kBalance, MergeRule::kDefensive}) {
-                options.shift = shift;
-                options.merge = rule;
-                const std::string what = fmt::format(
-                    "{}, {}, {}, {}", test::name_of(options), name_of(target), test::name_of(shift),
-                    rule == MergeRule::kBalance ? "balance" : "defensive");
+void expect_agreement_with_history(const Expectation& expected,
+                                   const Choice<TargetFunction>& target) {
+    for (Reservoirs options : {with(gris(), target.value), with(pgris(), target.value)})
+        for (const Choice<Shift>& shift : choices<Shift>())
+            for (const Choice<MergeRule>& rule : choices<MergeRule>()) {
+                options.shift = shift.value;
+                options.merge = rule.value;
+                const std::string what = fmt::format("{}, {}, {}, {}", test::name_of(options),
+                                                     target.name, shift.name, rule.name);
                 EXPECT_TRUE(accepted(kEstimators, what, expected.p_value(options)));
             }
 }
 
 TEST(Estimators, AgreeWithTheBaselineAtEveryIteration) {
-    for (const TargetFunction target : kTargetFunctions) {
-        const Expectation expected(target);
+    for (const Choice<TargetFunction>& target : choices<TargetFunction>()) {
+        const Expectation expected(target.value);
         expect_agreement_without_history(expected, target);
         expect_agreement_with_history(expected, target);
     }

@@ -19,6 +19,7 @@
 #include "gradient/small_scene.h"
 #include "ledger_entries.h"
 #include "optimize/loss.h"
+#include "optimize/option_value.h"
 #include "render/render.h"
 
 namespace burnish {
@@ -49,12 +50,6 @@ const NamedFilter kFilters[kFilterCount] = {
     {"catmullrom", {FilterKind::kCatmullRom, 2.0f}},
     {"lanczos", {FilterKind::kLanczos, 3.0f}},
 };
-struct NamedLoss {
-    const char* name;
-    Loss loss;
-};
-const NamedLoss kLosses[kLossCount] = {
-    {"relmse", Loss::kRelMse}, {"l2", Loss::kL2}, {"l1", Loss::kL1}};
 struct NamedTarget {
     const char* name;
     TargetFunction target;
@@ -193,7 +188,7 @@ double p_value(const CellScript& script, const Estimates& expected, const Cell& 
 }
 
 CellScript script_of(const Cell& cell) {
-    return make_script(kFilters[cell.filter].filter, kLosses[cell.loss].loss,
+    return make_script(kFilters[cell.filter].filter, choices<Loss>()[cell.loss].value,
                        kTargets[cell.target].target);
 }
 
@@ -215,6 +210,8 @@ TEST(FiltersAndLossesDesign, LatinSquareCoversEveryPair) {
             }
     }
     EXPECT_EQ(of_square, of_all);
+    EXPECT_EQ(choices<Loss>().size(), kLossCount) << "another loss needs a square of its own";
+    EXPECT_EQ(choices<TargetFunction>().size(), kTargetCount);
 }
 
 /// The index of a filter.
@@ -233,7 +230,7 @@ TEST_P(FiltersAndLosses, EveryEstimatorAgreesWithTheBaseline) {
             }
             EXPECT_TRUE(accepted(kFiltersAndLosses,
                                  fmt::format("{}, {}, {}", kFilters[GetParam()].name,
-                                             kLosses[loss].name, kTargets[target].name),
+                                             choices<Loss>()[loss].name, kTargets[target].name),
                                  test::holm_minimum(p)));
         }
 }
