@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <stdexcept>
 
-#include "burnish/error.h"
 #include "cli/commands.h"
 #include "cli/console.h"
 #include "cli/option_text.h"

@@ -9,7 +9,6 @@
 #include "burnish/error.h"
 #include "cli/blender_script.h"
 #include "cli/console.h"
-#include "cli/output_folder.h"
 #include "image/files.h"
 #include "mitsuba/write.h"
 #include "models/model_glb.h"

@@ -9,12 +9,10 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "burnish/error.h"
 #include "captures/capture_json.h"
 #include "cli/commands.h"
 #include "cli/console.h"
 #include "cli/inspect.h"
-#include "cli/progress.h"
 #include "cli/run_views.h"
 #include "cli/scene_input.h"
 #include "cli/unseeing_views.h"

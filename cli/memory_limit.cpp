@@ -11,10 +11,8 @@
 #include "cli/progress.h"
 #include "cli/unseeing_views.h"
 #include "gradient/binding.h"
-#include "gradient/estimator.h"
 #include "gradient/path_cache/path_cache.h"
 #include "optimize/ranks.h"
-#include "render/renderer.h"
 
 namespace burnish {
 

@@ -9,7 +9,6 @@
 #include "cli/new_scene.h"
 #include "cli/option_text.h"
 #include "cli/scene_input.h"
-#include "cli/settings.h"
 
 namespace burnish {
 

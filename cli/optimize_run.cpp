@@ -16,7 +16,6 @@
 #include "cli/output_folder.h"
 #include "cli/phases.h"
 #include "cli/process_memory.h"
-#include "cli/progress.h"
 #include "cli/run_checkpoints.h"
 #include "cli/run_evidence.h"
 #include "cli/run_views.h"

@@ -6,7 +6,6 @@
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/vector.h>
 
-#include "burnish/error.h"
 #include "image/files.h"
 #include "optimize/state.h"
 #include "python/arrays.h"

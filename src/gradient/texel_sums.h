@@ -6,7 +6,6 @@
 // blocks that it visited, and only those are folded.
 #pragma once
 
-#include <array>
 #include <cstdlib>
 #include <memory>
 #include <vector>

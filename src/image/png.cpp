@@ -7,7 +7,6 @@
 #include <csetjmp>
 #include <cstdint>
 #include <cstring>
-#include <memory>
 
 #include "burnish/error.h"
 #include "core/parallel.h"

@@ -15,7 +15,6 @@
 #include <utility>
 #include <vector>
 
-#include "burnish/error.h"
 #include "live/packets.h"
 
 namespace burnish {

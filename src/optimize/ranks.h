@@ -11,7 +11,6 @@
 #include <type_traits>
 #include <vector>
 
-#include "burnish/error.h"
 #include "burnish/ranks.h"
 #include "core/archive.h"
 #include "core/index_range.h"

@@ -7,7 +7,6 @@
 
 #include "burnish/solve.h"
 #include "gradient/theta.h"
-#include "paths/trace.h"
 #include "render/renderer.h"
 #include "texture/charts.h"
 #include "texture/pyramid.h"

@@ -1,7 +1,6 @@
 // States as values, and as bytes: a header, then the fields of state_fields.h.
 #include <cstring>
 
-#include "burnish/error.h"
 #include "core/hash.h"
 #include "optimize/state_fields.h"
 

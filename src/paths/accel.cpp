@@ -18,7 +18,6 @@
 #include <vector>
 
 #include "burnish/error.h"
-#include "core/box.h"
 #include "paths/analytic.h"
 
 namespace burnish {

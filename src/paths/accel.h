@@ -7,7 +7,6 @@
 #include <memory>
 #include <vector>
 
-#include "core/vec.h"
 #include "scene/scene.h"
 
 namespace burnish {

@@ -10,7 +10,6 @@
 #include <span>
 #include <vector>
 
-#include "core/constants.h"
 #include "paths/light_resampling.h"
 #include "paths/points.h"
 

@@ -15,7 +15,6 @@
 #include "burnish/view.h"
 #include "core/packet.h"
 #include "core/ray.h"
-#include "core/scalar.h"
 #include "scene/camera.h"
 #include "shading/lens.h"
 

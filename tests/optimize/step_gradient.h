@@ -2,8 +2,6 @@
 // loss between converged images.
 #pragma once
 
-#include <string>
-
 #include "core/parallel.h"
 #include "ledger.h"
 #include "optimize/loss.h"

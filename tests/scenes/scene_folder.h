@@ -8,7 +8,6 @@
 #include <iterator>
 #include <map>
 #include <string>
-#include <vector>
 
 #include "image/image.h"
 #include "scenes/scene_files.h"

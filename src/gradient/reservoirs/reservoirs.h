@@ -7,7 +7,6 @@
 #pragma once
 
 #include <optional>
-#include <vector>
 
 #include "gradient/path_cache/path_cache.h"
 #include "gradient/reservoirs/history.h"
