@@ -45,8 +45,8 @@ BackgroundTiles trace_background(const Binding& binding, const NearUnknown& near
     const std::span<const char> samples = everywhere ? std::span<const char>() : near.samples;
     RenderCounts counts;
     BackgroundTiles tiles;
-    tiles.sums = render_tiles(constant_part(binding, {options.seed, Stream::kImage}), 0, first,
-                              options.passes, range, &counts, {}, samples);
+    tiles.sums = render_tiles(constant_part(binding, {options.seed, Stream::kImage}),
+                              {0, first, options.passes, samples}, range, &counts);
     tiles.rejected = counts.rejected;
     return tiles;
 }

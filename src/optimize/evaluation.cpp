@@ -96,7 +96,7 @@ Image evaluation_image(const Setup& setup, std::size_t view, const Theta& theta,
     const Film& film = input.scene->film;
     const std::size_t count = tile_count(film);
     TileImages sums =
-        render_tiles(input, 0, 0, passes, run_of(ranks, ranks.rank, count), nullptr, progress);
+        render_tiles(input, {0, 0, passes}, run_of(ranks, ranks.rank, count), nullptr, progress);
     share(ranks, shared_out(ranks, count), Recipient::kAll, sums);
     return image_of_tiles(film, passes, sums);
 }

@@ -23,14 +23,13 @@ struct TileSample {
     std::uint32_t pass = 0;  ///< within the group
 };
 
-std::vector<TileSample> tile_samples(const Tile& tile, std::uint32_t passes, int film_width,
-                                     std::span<const char> only) {
+std::vector<TileSample> tile_samples(const Tile& tile, const Passes& passes, int film_width) {
     std::vector<TileSample> samples;
-    samples.reserve(static_cast<std::size_t>(tile.width * tile.height) * passes);
+    samples.reserve(static_cast<std::size_t>(tile.width * tile.height) * passes.count);
     for_pixels_in_blocks(tile, [&](int x, int y) {
         const auto pixel = static_cast<std::size_t>((tile.y0 + y) * film_width + tile.x0 + x);
-        if (!only.empty() && !only[pixel]) return;
-        for (std::uint32_t pass = 0; pass < passes; ++pass) samples.push_back({x, y, pass});
+        if (!passes.only.empty() && !passes.only[pixel]) return;
+        for (std::uint32_t pass = 0; pass < passes.count; ++pass) samples.push_back({x, y, pass});
     });
     return samples;
 }
@@ -42,9 +41,9 @@ using TraceBatch = std::size_t (*)(const TraceInput&, std::span<const BatchSampl
 /// What each sample of a group of passes brings: radiance[pass] is [height, width] of the tile.
 /// Returns the number of rejected samples.
 std::size_t trace_group(const TraceInput& input, TraceBatch trace_batch, const Tile& tile,
-                        std::uint32_t iteration, std::uint32_t first_pass,
-                        std::span<const TileSample> order,
-                        std::vector<std::vector<Rgbf>>& radiance) {
+                        const Passes& group, std::vector<std::vector<Rgbf>>& radiance) {
+    const std::vector<TileSample> all = tile_samples(tile, group, input.scene->film.crop_width);
+    const std::span<const TileSample> order = all;
     const auto film_width = static_cast<std::uint32_t>(input.scene->film.crop_width);
     std::array<BatchSample, kBatchSamples> samples;
     std::array<Rgbf, kBatchSamples> traced;
@@ -55,7 +54,7 @@ std::size_t trace_group(const TraceInput& input, TraceBatch trace_batch, const T
         for (std::size_t i = 0; i < batch.size(); ++i)
             samples[i].camera = {static_cast<std::uint32_t>(tile.y0 + batch[i].y) * film_width +
                                      static_cast<std::uint32_t>(tile.x0 + batch[i].x),
-                                 iteration, first_pass + batch[i].pass};
+                                 group.iteration, group.first + batch[i].pass};
         rejected +=
             trace_batch(input, {samples.data(), batch.size()}, {traced.data(), batch.size()});
         for (std::size_t i = 0; i < batch.size(); ++i) {
@@ -66,43 +65,39 @@ std::size_t trace_group(const TraceInput& input, TraceBatch trace_batch, const T
     return rejected;
 }
 
-/// What a tile adds to the image, the filter's halo included; empty where it has no sample. Calls
-/// after_group(passes) after each group of passes.
+/// What a tile adds to the image, the filter's halo included; empty where it has no sample.
+struct TileSum {
+    std::vector<float> values;
+    std::size_t rejected = 0;
+};
+
+/// taps: of each pass. Calls after_group(passes) after each group of passes.
 template <class AfterGroup>
-std::vector<float> render_tile(const TraceInput& input, TraceBatch trace_batch, const Tile& tile,
-                               std::uint32_t iteration, std::uint32_t first_pass,
-                               std::span<const std::array<FilterTaps, 2>> taps,
-                               std::span<const char> only, std::size_t& rejected,
-                               const AfterGroup& after_group) {
+TileSum render_tile(const TraceInput& input, TraceBatch trace_batch, const Tile& tile,
+                    const Passes& passes, std::span<const std::array<FilterTaps, 2>> taps,
+                    const AfterGroup& after_group) {
     const int halo = taps[0][0].halo;
-    const auto passes = static_cast<std::uint32_t>(taps.size());
-    const int film_width = input.scene->film.crop_width;
-    if (tile_samples(tile, 1, film_width, only).empty()) {
-        after_group(passes);
+    if (tile_samples(tile, {0, 0, 1, passes.only}, input.scene->film.crop_width).empty()) {
+        after_group(passes.count);
         return {};
     }
-    std::vector<float> sum(
-        3 * static_cast<std::size_t>((tile.width + 2 * halo) * (tile.height + 2 * halo)), 0.0f);
+    TileSum sum;
+    sum.values.resize(3 *
+                      static_cast<std::size_t>((tile.width + 2 * halo) * (tile.height + 2 * halo)));
     std::vector<float> scratch;
     std::vector<std::vector<Rgbf>> radiance(
-        std::min(kGroup, passes),
+        std::min(kGroup, passes.count),
         std::vector<Rgbf>(static_cast<std::size_t>(tile.width * tile.height)));
-    for (std::uint32_t p = 0; p < passes; p += kGroup) {
-        const std::uint32_t group = std::min(kGroup, passes - p);
-        rejected += trace_group(input, trace_batch, tile, iteration, first_pass + p,
-                                tile_samples(tile, group, film_width, only), radiance);
-        for (std::uint32_t k = 0; k < group; ++k)
-            splat_pass(tile, taps[p + k], &radiance[k][0].x, scratch, sum.data());
-        after_group(group);
+    for (std::uint32_t p = 0; p < passes.count; p += kGroup) {
+        const std::uint32_t count = std::min(kGroup, passes.count - p);
+        const Passes group{passes.iteration, passes.first + p, count, passes.only};
+        sum.rejected += trace_group(input, trace_batch, tile, group, radiance);
+        for (std::uint32_t k = 0; k < count; ++k)
+            splat_pass(tile, taps[p + k], &radiance[k][0].x, scratch, sum.values.data());
+        after_group(count);
     }
     return sum;
 }
-
-/// What is rendered, and of which samples.
-struct Passes {
-    std::uint32_t iteration = 0, first = 0, count = 0;
-    std::span<const char> only = {};
-};
 
 /// Tells a progress of the share that is done, one call at a time. A thread that comes while
 /// another one tells does not wait: the call may start loops of its own, whose threads come here
@@ -148,9 +143,10 @@ TileImages tiles_with(const TraceInput& input, TraceBatch trace_batch, const Pas
     Telling telling(progress, 1.0 * passes.count * static_cast<double>(range.size()));
     parallel_for(range.size(), [&](std::size_t k) {
         const std::size_t i = range.begin + k;
-        sums[i] =
-            render_tile(input, trace_batch, tiles[i], passes.iteration, passes.first, taps.taps,
-                        passes.only, rejected[i], [&](std::uint32_t group) { telling.add(group); });
+        TileSum sum = render_tile(input, trace_batch, tiles[i], passes, taps.taps,
+                                  [&](std::uint32_t group) { telling.add(group); });
+        sums[i] = std::move(sum.values);
+        rejected[i] = sum.rejected;
     });
     telling.tell();
     if (counts)
@@ -170,11 +166,9 @@ Image render_with(const TraceInput& input, TraceBatch trace_batch, const Passes&
 
 std::size_t tile_count(const Film& film) { return make_tiles(film, kTile).size(); }
 
-TileImages render_tiles(const TraceInput& input, std::uint32_t iteration, std::uint32_t first_pass,
-                        std::uint32_t passes, const IndexRange& range, RenderCounts* counts,
-                        const Progress& progress, std::span<const char> only) {
-    return tiles_with(input, trace_radiance, {iteration, first_pass, passes, only}, range, counts,
-                      progress);
+TileImages render_tiles(const TraceInput& input, const Passes& passes, const IndexRange& range,
+                        RenderCounts* counts, const Progress& progress) {
+    return tiles_with(input, trace_radiance, passes, range, counts, progress);
 }
 
 Image image_of_tiles(const Film& film, std::uint32_t passes, const TileImages& sums) {

@@ -1,6 +1,9 @@
 // Scene + textures -> image: traces passes in tiles and reconstructs them on the film.
 #pragma once
 
+#include <cstdint>
+#include <span>
+
 #include "burnish/renderer.h"
 #include "core/index_range.h"
 #include "image/image.h"
@@ -20,14 +23,17 @@ struct RenderCounts {
 Image render(const TraceInput& input, std::uint32_t iteration, std::uint32_t passes,
              RenderCounts* counts = nullptr, const Progress& progress = {});
 
+/// Passes [first, first + count) of an iteration.
+struct Passes {
+    std::uint32_t iteration = 0, first = 0, count = 0;
+    std::span<const char> only = {};  ///< non-zero where a pixel is sampled; empty: everywhere
+};
+
 /// The same in two steps, for processes that share out the tiles of an image: what those of `range`
 /// add to it, the others being empty, and the image of what all have made. progress: of the range.
-/// only: non-zero where a pixel is sampled, one per pixel; empty: everywhere.
 std::size_t tile_count(const Film& film);
-TileImages render_tiles(const TraceInput& input, std::uint32_t iteration, std::uint32_t first_pass,
-                        std::uint32_t passes, const IndexRange& range,
-                        RenderCounts* counts = nullptr, const Progress& progress = {},
-                        std::span<const char> only = {});
+TileImages render_tiles(const TraceInput& input, const Passes& passes, const IndexRange& range,
+                        RenderCounts* counts = nullptr, const Progress& progress = {});
 Image image_of_tiles(const Film& film, std::uint32_t passes, const TileImages& sums);
 
 /// The alpha of such an image, [crop_height, crop_width, 1]: the share of the camera's samples that
