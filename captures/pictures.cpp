@@ -6,9 +6,6 @@
 #include <variant>
 
 #include "burnish/error.h"
-#include "captures/views_colmap.h"
-#include "captures/views_transforms.h"
-#include "image/files.h"
 #include "image/image.h"
 #include "image/numbers.h"
 #include "image/whole.h"
@@ -116,21 +113,6 @@ Photograph read_picture(const CapturedView& view, const Image& mask, double scal
             fmt::format("{} ({}): no pixel counts: each has a mask or an alpha of 0, or is clipped",
                         what, view.image));
     return p;
-}
-
-std::vector<CapturedView> read_views(const std::string& views, const std::string& images) {
-    const std::filesystem::file_status status = status_of(views);
-    if (std::filesystem::is_directory(status)) {
-        if (images.empty())
-            throw InputError("images: expected the folder of the pictures that " + views +
-                             " names");
-        return read_colmap(views, images);
-    }
-    if (std::filesystem::path(views).extension() != ".json")
-        throw InputError(fmt::format(
-            "{}: {}expected the folder of a COLMAP reconstruction, or a transforms.json", views,
-            std::filesystem::exists(status) ? "" : "no such file or folder, "));
-    return read_transforms(views, images);
 }
 
 }  // namespace burnish

@@ -41,8 +41,4 @@ MaskFile read_mask(const CapturedView& view);
 Photograph read_picture(const CapturedView& view, const Image& mask, double scale,
                         const std::string& what);
 
-/// The views of a COLMAP reconstruction (a folder) or a transforms.json. images: the folder of the
-/// pictures; may be empty for a transforms.json. Throws InputError.
-std::vector<CapturedView> read_views(const std::string& views, const std::string& images);
-
 }  // namespace burnish

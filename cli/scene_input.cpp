@@ -5,7 +5,7 @@
 #include <algorithm>
 
 #include "burnish/error.h"
-#include "captures/pictures.h"
+#include "captures/views.h"
 #include "cli/commands.h"
 #include "cli/console.h"
 #include "cli/option_text.h"

@@ -8,6 +8,7 @@
 
 #include "burnish/error.h"
 #include "captures/pictures.h"
+#include "captures/views.h"
 #include "core/variant.h"
 #include "python/arrays.h"
 #include "python/bindings.h"
