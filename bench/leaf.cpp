@@ -103,7 +103,11 @@ void sample_principled_packet(benchmark::State& state) {
     const auto p = usual_parameters<Packet>();
     const Vec3<Packet> wi = gather(d.wi, 0), u = gather(d.wo, 0);
     const Vec2<Packet> square{abs(u.x), abs(u.y)};
-    for (auto _ : state) benchmark::DoNotOptimize(sample_principled(p, wi, square, abs(u.z)));
+    for (auto _ : state) {
+        const auto sample = sample_principled(p, wi, square, abs(u.z));
+        benchmark::DoNotOptimize(sample);
+        benchmark::DoNotOptimize(pdf_principled(p, wi, sample.wo_local));
+    }
     state.SetItemsProcessed(state.iterations() * kLanes);
 }
 BENCHMARK(sample_principled_packet);

@@ -97,9 +97,9 @@ class BsdfPackets<Diffuse> {
                                const Vec3<Packet>& wo) const {
         return {eval_diffuse(at(i), wi, wo), pdf_diffuse(at(i), wi, wo)};
     }
-    SampledDirection<Packet> sample(std::size_t, const Vec3<Packet>&, const Vec2<Packet>& u,
+    SampledDirection<Packet> sample(std::size_t i, const Vec3<Packet>& wi, const Vec2<Packet>& u,
                                     const Packet&) const {
-        return {square_to_cosine_hemisphere(u), Mask(true)};
+        return sample_diffuse(at(i), wi, u);
     }
 
   private:
@@ -120,7 +120,7 @@ class BsdfPackets<Principled> {
     }
     SampledDirection<Packet> sample(std::size_t i, const Vec3<Packet>& wi, const Vec2<Packet>& u,
                                     const Packet& u_lobe) const {
-        return sample_principled_direction(at(i), wi, u, u_lobe);
+        return sample_principled(at(i), wi, u, u_lobe);
     }
 
   private:

@@ -178,14 +178,14 @@ U pdf_bsdf(const PrincipledThinParameters<U>& p, const Vec3<U>& wi, const Vec3<U
 }
 
 template <class U>
-SampledDirection<U> sample_bsdf(const DiffuseParameters<U>&, const Vec3<U>& wi,
+SampledDirection<U> sample_bsdf(const DiffuseParameters<U>& p, const Vec3<U>& wi,
                                 const std::array<U, 4>& u) {
-    return {square_to_cosine_hemisphere(Vec2<U>{u[0], u[1]}), wi.z > U(0.0f)};
+    return sample_diffuse(p, wi, {u[0], u[1]});
 }
 template <class U>
 SampledDirection<U> sample_bsdf(const PrincipledParameters<U>& p, const Vec3<U>& wi,
                                 const std::array<U, 4>& u) {
-    return sample_principled_direction(p, wi, {u[0], u[1]}, u[2]);
+    return sample_principled(p, wi, {u[0], u[1]}, u[2]);
 }
 template <class U>
 SampledDirection<U> sample_bsdf(const ConductorParameters<U>& p, const Vec3<U>& wi,

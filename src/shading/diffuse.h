@@ -29,13 +29,11 @@ Plain<T> pdf_diffuse(const DiffuseParameters<T>&, const Vec3<Plain<T>>& wi_local
     return select(front, wo_local.z * U(std::numbers::inv_pi), U(0.0f));
 }
 
-/// u: uniform in [0, 1)^2.
+/// u: uniform in [0, 1)^2. T without derivatives.
 template <class T>
-BsdfSample<Plain<T>> sample_diffuse(const DiffuseParameters<T>& p, const Vec3<Plain<T>>& wi_local,
-                                    const Vec2<Plain<T>>& u) {
-    const Vec3<Plain<T>> wo = square_to_cosine_hemisphere(u);
-    const Plain<T> pdf = pdf_diffuse(p, wi_local, wo);
-    return {wo, pdf, pdf > Plain<T>(0.0f)};
+SampledDirection<T> sample_diffuse(const DiffuseParameters<T>&, const Vec3<T>& wi_local,
+                                   const Vec2<T>& u) {
+    return {square_to_cosine_hemisphere(u), wi_local.z > T(0.0f)};
 }
 
 }  // namespace burnish

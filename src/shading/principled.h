@@ -257,9 +257,8 @@ BsdfValue<T> eval_pdf_principled(const PrincipledParameters<T>& p, const Vec3<T>
 /// Draws wo: u uniform in [0, 1)^2, u_lobe uniform in [0, 1) and independent of u. T without
 /// derivatives.
 template <class T>
-SampledDirection<T> sample_principled_direction(const PrincipledParameters<T>& p,
-                                                const Vec3<T>& wi_local, const Vec2<T>& u,
-                                                const T& u_lobe) {
+SampledDirection<T> sample_principled(const PrincipledParameters<T>& p, const Vec3<T>& wi_local,
+                                      const Vec2<T>& u, const T& u_lobe) {
     const T zero(0.0f);
     const auto front = wi_local.z > zero;
     const Vec3<T> up = select(front, wi_local, -wi_local);
@@ -287,15 +286,6 @@ SampledDirection<T> sample_principled_direction(const PrincipledParameters<T>& p
         proper = diffuse || proper;
     }
     return {wo, proper, {}, {}, select(transmit, T(T(1.0f) / fresnel.eta_ti), T(1.0f))};
-}
-
-/// The same with its density.
-template <class T>
-BsdfSample<T> sample_principled(const PrincipledParameters<T>& p, const Vec3<T>& wi_local,
-                                const Vec2<T>& u, const T& u_lobe) {
-    const auto drawn = sample_principled_direction(p, wi_local, u, u_lobe);
-    const T zero(0.0f), pdf = pdf_principled(p, wi_local, drawn.wo_local);
-    return {drawn.wo_local, select(drawn.proper, pdf, zero), drawn.proper && pdf > zero};
 }
 
 // Compiled with the library alone: whoever uses them may be compiled with less optimisation.

@@ -7,15 +7,6 @@
 
 namespace burnish {
 
-/// A sampled direction. pdf: solid angle, equal to pdf_*(wi, wo). Where invalid, pdf is 0 and wo
-/// means nothing.
-template <class U>
-struct BsdfSample {
-    Vec3<U> wo_local{};
-    U pdf{};
-    MaskOf<U> valid{};
-};
-
 /// BSDF times |cos theta_o|, linear RGB, and the density of sampling wo.
 template <class U>
 struct BsdfValue {

@@ -82,7 +82,8 @@ RunningMean albedo(const PrincipledParameters<double>& p, const Direction& wi, s
     for (std::uint32_t i = 0; i < scaled(kFurnace, 20000u); ++i) {
         const auto u = detail::uniforms_double(seed_of(kFurnace, seed), i);
         const auto s = sample_principled(p, wi, Vec2<double>{u[0], u[1]}, u[2]);
-        mean.add(s.valid ? energy_of(p, wi, s.wo_local) / s.pdf : 0);
+        const double pdf = s.proper ? pdf_principled(p, wi, s.wo_local) : 0;
+        mean.add(pdf > 0 ? energy_of(p, wi, s.wo_local) / pdf : 0);
     }
     return mean;
 }

@@ -134,7 +134,7 @@ Sampler principled_sampler(const Case& c) {
         constexpr S below_one = S(1) - std::numeric_limits<S>::epsilon() / 2;
         const auto at = [&](std::size_t i) { return std::min(static_cast<S>(u[i]), below_one); };
         const auto s = sample_principled(p, wi, Vec2<S>{at(0), at(1)}, at(2));
-        if (!s.valid) return std::nullopt;
+        if (!s.proper || !(pdf_principled(p, wi, s.wo_local) > 0)) return std::nullopt;
         return normalize(in_precision<double>(Direction{static_cast<double>(s.wo_local.x),
                                                         static_cast<double>(s.wo_local.y),
                                                         static_cast<double>(s.wo_local.z)}));
@@ -160,7 +160,7 @@ TEST(Sampling, PrincipledTellsTheIndexOfRefractionOnItsWay) {
     int refracted = 0;
     for (const Case& c : cases())
         for (const double u_lobe : {0.1, 0.3, 0.5, 0.7, 0.9}) {
-            const auto s = sample_principled_direction(c.p, c.wi, {0.3, 0.6}, u_lobe);
+            const auto s = sample_principled(c.p, c.wi, {0.3, 0.6}, u_lobe);
             const bool passes = s.wo_local.z * c.wi.z < 0;
             if (!s.proper) continue;
             EXPECT_NEAR(s.eta, passes ? (c.wi.z > 0 ? c.p.eta : 1 / c.p.eta) : 1, 1e-12) << c.name;
@@ -322,7 +322,7 @@ TEST(Sampling, DiffuseFollowsItsDensity) {
     const Direction wi = from_angles(70, 30), z{0, 0, 1};
     const Sampler sampler = [&](const std::array<double, 4>& u) -> std::optional<Direction> {
         const auto s = sample_diffuse(p, wi, {u[0], u[1]});
-        return s.valid ? std::optional(s.wo_local) : std::nullopt;
+        return s.proper ? std::optional(s.wo_local) : std::nullopt;
     };
     const Density density = [&](const Direction& wo) { return pdf_diffuse(p, wi, wo); };
     const DrawnDirections drawn = draw(kDiffuseSampling, sampler, {z, -z}, 0);
@@ -334,7 +334,7 @@ TEST(Sampling, DiffuseFollowsItsDensity) {
     };
     EXPECT_TRUE(
         rejected(kDiffuseSampling, "density without its cosine", fit_of(drawn, uniform).p_value));
-    EXPECT_FALSE(sample_diffuse(p, -wi, {0.5, 0.5}).valid);
+    EXPECT_FALSE(sample_diffuse(p, -wi, {0.5, 0.5}).proper);
 }
 
 /// As the BSDF draws them: from behind, those that the opposite direction sees.
