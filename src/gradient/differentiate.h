@@ -26,9 +26,9 @@ struct TexelDerivative {
              ///< use x
 };
 
-/// The most texels that one path reaches: four corners for the colour and each scalar of a BSDF,
-/// and for each of its shares.
-inline constexpr int kMaxTexelsPerPath = 4 * (1 + kPrincipledScalars + int{kMaxShares});
+/// The most texels that one path reaches: four corners for each input of a BSDF, one of which at
+/// least is a colour and takes three places, and for each of its shares.
+inline constexpr int kMaxTexelsPerPath = 4 * int{kBsdfInputs - kBsdfColor + 1 + kMaxShares};
 
 struct TexelDerivatives {
     Rgbf adjoint;  ///< w(x); black where nothing is differentiated

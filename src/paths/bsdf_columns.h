@@ -13,7 +13,8 @@
 
 namespace burnish {
 
-/// The most inputs of kinds other than `principled`: those of `principledthin`.
+/// Places in a row of kinds other than `principled`: those of `principledthin`, the longest.
+/// paths/traced_scene.cpp checks the rows of a scene.
 inline constexpr std::size_t kBsdfRowInputs = kBsdfColor + kThinScalars;
 
 /// The parameters of a batch of points. Diffuse and principled points use the named columns, those

@@ -2,7 +2,9 @@
 
 #include <algorithm>
 
+#include "core/contract.h"
 #include "core/variant.h"
+#include "paths/bsdf_columns.h"
 
 namespace burnish {
 
@@ -23,7 +25,17 @@ bool always_black(const Bsdf& bsdf) {
         [](const PrincipledThin&) { return false; });
 }
 
+/// Contract of a kind of BSDF: its inputs fit into the rows that are made for them.
+void check_row(const Bsdf& bsdf) {
+    const std::size_t colors = colors_of(bsdf).size();
+    const bool is_principled = std::holds_alternative<Principled>(bsdf);
+    BURNISH_REQUIRE(colors, >, 0u);  // see kMaxTexelsPerPath
+    BURNISH_REQUIRE(kBsdfColor * colors + scalars_of(bsdf).size(), <=,
+                    is_principled ? kBsdfInputs : kBsdfRowInputs);
+}
+
 BsdfOrder order_bsdfs(const Scene& scene) {
+    for (const Bsdf& bsdf : scene.bsdfs) check_row(bsdf);
     BsdfOrder order;
     order.rank.assign(scene.bsdfs.size(), -1);
     std::int32_t next = 0;

@@ -66,7 +66,7 @@ struct ProjectorEmitter {
 /// To add a kind: a struct above and its place in this variant. The compiler then names what lacks:
 /// scene/emitter.cpp, paths/lights.cpp, render/view.cpp, optimize/scene_inputs.cpp, cli/inspect.cpp
 /// and cli/findings{,_space}.cpp; a kind of its own in Lights::Kind also paths/light_columns.cpp.
-/// Only its reader in mitsuba/emitters.cpp is not named.
+/// Its reader in mitsuba/emitters.cpp is not named, nor is docs/reference/mitsuba.md.
 using Emitter = std::variant<AreaEmitter, EnvironmentEmitter, ConstantEmitter, PointEmitter,
                              SpotEmitter, DirectionalEmitter, ProjectorEmitter>;
 

@@ -179,7 +179,11 @@ struct PrincipledThin {
 ///   shading/bsdf.h              its parameters, and eval / sample / pdf on a scalar type T
 ///   paths/traced_scene.cpp      whether it is black whatever the light
 ///   cli/blender_script.cpp, models/gltf_material.cpp   what other programs get of it
-/// Only its reader in mitsuba/bsdfs.cpp is not named: there, kinds are strings.
+/// The compiler does not name:
+///   mitsuba/bsdfs.cpp           its reader, and its name in kSupported: there, kinds are strings
+///   docs/reference/mitsuba.md   its row
+///   shading/bsdf_row.h, paths/bsdf_columns.h   kBsdfInputs and kBsdfRowInputs, where its row is
+///                               longer, which ends the program
 using Bsdf = std::variant<Diffuse, Principled, Conductor, RoughConductor, Plastic, RoughPlastic,
                           Dielectric, RoughDielectric, PrincipledThin>;
 
