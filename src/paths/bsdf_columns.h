@@ -51,14 +51,11 @@ struct BsdfPoints {
 void look_up_rows(const BsdfPoints& points, const LaneRange& range, BsdfColumns& lanes);
 
 /// The points of one kind of BSDF, a packet at a time: eval_pdf(i, wi, wo) and sample(i, wi, u,
-/// u_lobe) for the packet that begins at lane i. kHasDelta: whether a sample may be that of a delta
-/// lobe (SampledDirection::delta); elsewhere nobody asks. One specialisation for each alternative
-/// of Bsdf, where the one for rows does not do.
+/// u_lobe) for the packet that begins at lane i. One specialisation for each alternative of Bsdf,
+/// where the one for rows does not do.
 template <class Kind>
 class BsdfPackets {
   public:
-    static constexpr bool kHasDelta = kHasDeltaLobes<Kind>;
-
     BsdfPackets(const BsdfPoints& points, const LaneRange& range, BsdfColumns& lanes)
         : lanes_(&lanes) {
         look_up_rows(points, range, lanes);
@@ -90,8 +87,6 @@ class BsdfPackets {
 template <>
 class BsdfPackets<Diffuse> {
   public:
-    static constexpr bool kHasDelta = false;
-
     BsdfPackets(const BsdfPoints& points, const LaneRange& range, BsdfColumns& lanes);
 
     BsdfValue<Packet> eval_pdf(std::size_t i, const Vec3<Packet>& wi,
@@ -111,8 +106,6 @@ class BsdfPackets<Diffuse> {
 template <>
 class BsdfPackets<Principled> {
   public:
-    static constexpr bool kHasDelta = false;
-
     BsdfPackets(const BsdfPoints& points, const LaneRange& range, BsdfColumns& lanes);
 
     BsdfValue<Packet> eval_pdf(std::size_t i, const Vec3<Packet>& wi,

@@ -36,10 +36,9 @@ inline std::vector<ComponentPackets> make_mixture_packets(
 /// textures of a BSDF with delta lobes as they are, so that its components agree.
 template <std::size_t I>
 struct BsdfMixture {
-    static constexpr bool kHasDelta =
-        std::tuple_element_t<I, ComponentPackets>::kHasDelta;  ///< see BsdfPackets
-    static constexpr bool kHasOnlyDelta =
-        kHasOnlyDeltaLobes<std::variant_alternative_t<I, Bsdf>>;  ///< eval_pdf gives zeros
+    using Kind = std::variant_alternative_t<I, Bsdf>;
+    static constexpr bool kHasDelta = kHasDeltaLobes<Kind>;
+    static constexpr bool kHasOnlyDelta = kHasOnlyDeltaLobes<Kind>;  ///< eval_pdf gives zeros
 
     std::span<const ComponentPackets> components;
 

@@ -174,8 +174,8 @@ struct PrincipledThin {
 };
 
 /// To add a BSDF: a struct above and its place in this variant. The compiler then names what lacks:
-///   scene/material.h            its colours and scalars, and the functions of material.cpp
-///   scene/scene.cpp             whether it has delta lobes
+///   scene/material.h            its colours and scalars, which lobes of it are delta lobes, and
+///                               the functions of material.cpp
 ///   shading/bsdf.h              its parameters, and eval / sample / pdf on a scalar type T
 ///   paths/traced_scene.cpp      whether it is black whatever the light
 ///   cli/blender_script.cpp, models/gltf_material.cpp   what other programs get of it
@@ -216,12 +216,13 @@ inline std::span<ScalarInput> scalars_of(const Dielectric&) { return {}; }
 auto scalars_of(IsKind<RoughDielectric> auto& b) { return scalars_of(b.roughness); }
 auto scalars_of(IsKind<PrincipledThin> auto& b) { return std::span(b.scalars); }
 
-/// Of any kind, in the order of the row.
-inline std::span<const ColorInput> colors_of(const Bsdf& bsdf) {
+/// Of any kind, in the order of the row. Nothing is converted to a Bsdf: a kind without its own
+/// overload does not compile.
+std::span<const ColorInput> colors_of(const IsKind<Bsdf> auto& bsdf) {
     return std::visit([](const auto& b) { return std::span<const ColorInput>(colors_of(b)); },
                       bsdf);
 }
-inline std::span<const ScalarInput> scalars_of(const Bsdf& bsdf) {
+std::span<const ScalarInput> scalars_of(const IsKind<Bsdf> auto& bsdf) {
     return std::visit([](const auto& b) { return std::span<const ScalarInput>(scalars_of(b)); },
                       bsdf);
 }
@@ -236,6 +237,19 @@ TextureId texture_at(const Bsdf& bsdf, int place);
 void set_texture(Bsdf& bsdf, int place, TextureId texture);
 /// The textures that it reads as roughness.
 std::vector<TextureId> roughness_textures(const Bsdf& bsdf);
+
+/// Which lobes of a BSDF are delta lobes: a light sample never finds their directions.
+enum class DeltaLobes { kNone, kSome, kAll };
+
+constexpr DeltaLobes delta_lobes(const Diffuse&) { return DeltaLobes::kNone; }
+constexpr DeltaLobes delta_lobes(const Principled&) { return DeltaLobes::kNone; }
+constexpr DeltaLobes delta_lobes(const Conductor&) { return DeltaLobes::kAll; }
+constexpr DeltaLobes delta_lobes(const RoughConductor&) { return DeltaLobes::kNone; }
+constexpr DeltaLobes delta_lobes(const Plastic&) { return DeltaLobes::kSome; }
+constexpr DeltaLobes delta_lobes(const RoughPlastic&) { return DeltaLobes::kNone; }
+constexpr DeltaLobes delta_lobes(const Dielectric&) { return DeltaLobes::kAll; }
+constexpr DeltaLobes delta_lobes(const RoughDielectric&) { return DeltaLobes::kNone; }
+constexpr DeltaLobes delta_lobes(const PrincipledThin&) { return DeltaLobes::kNone; }
 
 /// Whether light passes through the surface: its back is not black.
 bool transmits(const Bsdf& bsdf);

@@ -3,7 +3,6 @@
 #include <algorithm>
 
 #include "core/contract.h"
-#include "core/variant.h"
 
 namespace burnish {
 
@@ -64,16 +63,7 @@ void check_references(const Scene& scene) {
 }
 
 DeltaLobes delta_lobes(const Scene& scene, BsdfId bsdf) {
-    return match(
-        scene[bsdf], [](const Diffuse&) { return DeltaLobes::kNone; },
-        [](const Principled&) { return DeltaLobes::kNone; },
-        [](const Conductor&) { return DeltaLobes::kAll; },
-        [](const RoughConductor&) { return DeltaLobes::kNone; },
-        [](const Plastic&) { return DeltaLobes::kSome; },
-        [](const RoughPlastic&) { return DeltaLobes::kNone; },
-        [](const Dielectric&) { return DeltaLobes::kAll; },
-        [](const RoughDielectric&) { return DeltaLobes::kNone; },
-        [](const PrincipledThin&) { return DeltaLobes::kNone; });
+    return std::visit([](const auto& b) { return delta_lobes(b); }, scene[bsdf]);
 }
 
 namespace {

@@ -90,8 +90,7 @@ inline bool has_bounces(const Scene& scene) { return scene.max_depth != 2; }
 /// Contract of a scene: every id is valid where it must be, and within its array.
 void check_references(const Scene& scene);
 
-/// Which lobes of a BSDF are delta lobes: a light sample never finds their directions.
-enum class DeltaLobes { kNone, kSome, kAll };
+/// Which lobes of a BSDF are delta lobes.
 DeltaLobes delta_lobes(const Scene& scene, BsdfId bsdf);
 
 /// The emitter of the scene that is an environment map, of which there is at most one; null: none.

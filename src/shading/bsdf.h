@@ -227,13 +227,10 @@ SampledDirection<U> sample_bsdf(const PrincipledThinParameters<U>& p, const Vec3
 
 /// Whether a kind has delta lobes: SampledDirection::delta is asked for there alone.
 template <class Kind>
-inline constexpr bool kHasDeltaLobes =
-    std::is_same_v<Kind, Conductor> || std::is_same_v<Kind, Plastic> ||
-    std::is_same_v<Kind, Dielectric>;
+inline constexpr bool kHasDeltaLobes = delta_lobes(Kind{}) != DeltaLobes::kNone;
 /// Whether a kind has nothing else: light samples cannot reach what it scatters.
 template <class Kind>
-inline constexpr bool kHasOnlyDeltaLobes =
-    std::is_same_v<Kind, Conductor> || std::is_same_v<Kind, Dielectric>;
+inline constexpr bool kHasOnlyDeltaLobes = delta_lobes(Kind{}) == DeltaLobes::kAll;
 
 // The same of any kind.
 

@@ -2,6 +2,8 @@
 // floats: the same paths and values, bit by bit.
 #include <gtest/gtest.h>
 
+#include <variant>
+
 #include "core/sobol.h"
 #include "gradient/binding.h"
 #include "paths/lamps.h"
@@ -183,10 +185,32 @@ TEST(ReferencePaths, AreThoseOfTheBatchesForEveryLobe) {
     expect_same(scene, "diffuse");
 }
 
-TEST(ReferencePaths, AreThoseOfTheBatchesForInterfaces) {
+std::vector<test::FloorKind> all_floors() {
     auto floors = test::interface_floors();
     const auto smooth = test::smooth_floors();
     floors.insert(floors.end(), smooth.begin(), smooth.end());
+    return floors;
+}
+
+TEST(InterfaceFloors, HaveTheDeltaLobesThatAreDrawn) {
+    for (const test::FloorKind& floor : all_floors()) {
+        const BsdfInputs<float> inputs = bsdf_inputs({}, floor.bsdf, {});
+        const Vec3f wi = normalize(Vec3f{0.3f, 0.2f, 0.9f});
+        int proper = 0, delta = 0;
+        for (std::uint32_t i = 0; i < 64; ++i) {
+            const auto u = uniforms({24, Stream::kTest}, i, 0, 0);
+            const SampledDirection<float> s = sample_bsdf(floor.bsdf, inputs, wi, u);
+            proper += s.proper, delta += s.proper && s.delta;
+        }
+        using enum DeltaLobes;
+        const DeltaLobes drawn = delta == 0 ? kNone : delta < proper ? kSome : kAll;
+        EXPECT_EQ(std::visit([](const auto& b) { return delta_lobes(b); }, floor.bsdf), drawn)
+            << floor.name;
+    }
+}
+
+TEST(ReferencePaths, AreThoseOfTheBatchesForInterfaces) {
+    const auto floors = all_floors();
     for (const test::FloorKind& floor : floors) {
         Scene scene = test::make_small_scene();
         scene.bsdfs[0] = floor.bsdf;
