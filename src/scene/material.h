@@ -182,6 +182,7 @@ struct PrincipledThin {
 /// The compiler does not name:
 ///   mitsuba/bsdfs.cpp           its reader, and its name in kSupported: there, kinds are strings
 ///   docs/reference/mitsuba.md   its row
+///   tests/reference/interfaces.h   a floor of it, which a test asks for
 ///   shading/bsdf_row.h, paths/bsdf_columns.h   kBsdfInputs and kBsdfRowInputs, where its row is
 ///                               longer, which ends the program
 using Bsdf = std::variant<Diffuse, Principled, Conductor, RoughConductor, Plastic, RoughPlastic,

@@ -2,6 +2,7 @@
 // floats: the same paths and values, bit by bit.
 #include <gtest/gtest.h>
 
+#include <set>
 #include <variant>
 
 #include "core/sobol.h"
@@ -190,6 +191,13 @@ std::vector<test::FloorKind> all_floors() {
     const auto smooth = test::smooth_floors();
     floors.insert(floors.end(), smooth.begin(), smooth.end());
     return floors;
+}
+
+/// Diffuse and principled ones have tests of their own.
+TEST(InterfaceFloors, HaveEveryKind) {
+    std::set<std::size_t> kinds{Bsdf(Diffuse{}).index(), Bsdf(Principled{}).index()};
+    for (const test::FloorKind& floor : all_floors()) kinds.insert(floor.bsdf.index());
+    EXPECT_EQ(kinds.size(), std::variant_size_v<Bsdf>);
 }
 
 TEST(InterfaceFloors, HaveTheDeltaLobesThatAreDrawn) {
