@@ -44,8 +44,11 @@ AliasSample<U> sample_alias_table(const AliasTable& table, U u) {
     const AliasTable::Column& c = table.columns[i];
     constexpr U kBelowOne = 1 - std::numeric_limits<U>::epsilon() / 2;
     const auto keep = static_cast<U>(c.keep);
-    const U remainder = within < keep ? within / keep : (within - keep) / (1 - keep);
-    return {within < keep ? i : c.alias, remainder < kBelowOne ? remainder : kBelowOne};
+    const bool keeps = within < keep;
+    const U remainder = keeps ? within / keep : (within - keep) / (1 - keep);
+    // Without a branch, which would be guessed wrong as often as not.
+    const std::uint32_t index = i ^ ((i ^ c.alias) & -static_cast<std::uint32_t>(!keeps));
+    return {index, remainder < kBelowOne ? remainder : kBelowOne};
 }
 
 }  // namespace burnish

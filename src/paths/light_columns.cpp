@@ -1,5 +1,8 @@
 #include "paths/light_columns.h"
 
+#include <optional>
+#include <span>
+
 #include "core/constants.h"
 
 namespace burnish {
@@ -63,14 +66,58 @@ void choose(const Lights& lights, const std::array<Column, 4>& u, const ColumnVe
     }
 }
 
+/// Where all lanes take emitter `only`, each with the whole of u[0].
+void choose_only(const Lights& lights, std::uint32_t only, const std::array<Column, 4>& u,
+                 const ColumnVec3& position, const ActiveList& wanted, Chosen& chosen,
+                 LightColumns& out) {
+    const Lights::Light& light = lights.lights[only];
+    const std::span<const std::uint16_t> lanes(wanted.lane.data(), wanted.count);
+    if (light.kind == Lights::Kind::kSingle) {
+        for (const std::size_t i : lanes) {
+            const SelectedEmitter selected{only, 1, u[0][i]};
+            const LightChoice choice = choose_light(lights, selected, uniforms(u, i));
+            put(sample_light(lights, choice, get(position, i)), i, out);
+        }
+        return;
+    }
+    for (const std::size_t i : lanes) chosen.inverse_probability[i] = 1;
+    if (light.kind == Lights::Kind::kEnvironment) {
+        chosen.environment = wanted;
+        for (const std::size_t i : lanes) chosen.rest[i] = u[0][i];
+        return;
+    }
+    for (const std::size_t i : lanes) set(out.radiance, i, light.radiance);
+    if (light.kind == Lights::Kind::kConstant) {
+        chosen.constant = wanted;
+        return;
+    }
+    chosen.mesh = wanted;
+    for (const std::size_t i : lanes)
+        __builtin_prefetch(&light.by_area.columns[alias_column(light.by_area, u[1][i])]);
+    for (const std::size_t i : lanes) {
+        const std::uint32_t triangle = sample_alias_table(light.by_area, u[1][i]).index;
+        chosen.triangle[i] = &light.triangles[triangle];
+        prefetch(light.triangles[triangle]);
+        chosen.area[i] = light.area;
+    }
+}
+
+/// The emitter that all lanes take, with the whole of u[0]: a lone one, or the one of a candidate.
+std::optional<std::uint32_t> only_emitter(const LightSelector& selector, std::uint32_t candidate) {
+    if (selector.emitters == 1) return 0;
+    if (has_candidate_of_each(selector)) return candidate;
+    return {};
+}
+
 void choose(const Lights& lights, const std::array<Column, 4>& u, const ColumnVec3& position,
-            const ActiveList& wanted, const CandidateColumn* candidates, Chosen& chosen,
-            LightColumns& out) {
+            const ActiveList& wanted, std::uint32_t which, Chosen& chosen, LightColumns& out) {
+    if (wanted.count == 0) return;
+    if (const auto only = only_emitter(lights.selector, which))
+        return choose_only(lights, *only, u, position, wanted, chosen, out);
+    std::array<std::uint32_t, kLanes> candidate;
+    candidate.fill(which);
     for (std::size_t first = 0; first < wanted.count; first += kLanes) {
         const ColumnIndices lanes = indices(wanted, first);
-        std::array<std::uint32_t, kLanes> candidate{};
-        for (std::size_t k = 0; candidates && k < kLanes; ++k)
-            candidate[k] = (*candidates)[lanes.at[k]];
         const auto selected = select_emitters(
             lights.selector, gather(position, lanes),
             {gather(u[0], lanes), gather(u[1], lanes), gather(u[2], lanes), gather(u[3], lanes)},
@@ -117,7 +164,7 @@ void sample_infinite(const Lights& lights, const Chosen& chosen, const std::arra
 }  // namespace
 
 void sample_lights(const Lights& lights, const std::array<Column, 4>& u, const ColumnVec3& position,
-                   const ActiveList& wanted, std::size_t count, const CandidateColumn* candidates,
+                   const ActiveList& wanted, std::size_t count, std::uint32_t candidate,
                    LightColumns& out) {
     for (std::size_t i = 0; i < count; i += kLanes) {
         store(out.pdf, i, 0.0f), store(out.delta, i, 0.0f), store(out.distance, i, 1.0f);
@@ -125,7 +172,7 @@ void sample_lights(const Lights& lights, const std::array<Column, 4>& u, const C
         store(out.radiance, i, {});
     }
     Chosen chosen;
-    choose(lights, u, position, wanted, candidates, chosen, out);
+    choose(lights, u, position, wanted, candidate, chosen, out);
     sample_meshes(chosen, u, position, out);
     sample_infinite(lights, chosen, u, out);
 }

@@ -15,13 +15,10 @@ struct LightColumns {
     Column delta;  ///< 1 for a light that no ray hits, else 0
 };
 
-/// Which candidate of a light sample a lane takes: see select_emitter.
-using CandidateColumn = std::array<std::uint32_t, kMaxLanes>;
-
 /// A sample for each lane of `wanted`, lane by lane the bits of sample_light. u: four uniforms per
-/// lane. candidates: null: the only one. All other lanes below `count` get pdf 0.
+/// lane. candidate: see select_emitter. All other lanes below `count` get pdf 0.
 void sample_lights(const Lights& lights, const std::array<Column, 4>& u, const ColumnVec3& position,
-                   const ActiveList& wanted, std::size_t count, const CandidateColumn* candidates,
+                   const ActiveList& wanted, std::size_t count, std::uint32_t candidate,
                    LightColumns& out);
 
 /// emission_at_infinity along the directions of a list of lanes.

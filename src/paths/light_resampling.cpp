@@ -53,9 +53,7 @@ void choose_candidates(const TraceInput& input, std::span<const BatchSample> sam
     const std::uint32_t count = candidates_of(lights.selector);
     out.drawn.resize(count);
     for (std::uint32_t c = 0; c < count; ++c) {
-        out.chosen.fill(c);
-        sample_lights(lights, u, points.position, wanted, points.count, &out.chosen,
-                      out.drawn[c].light);
+        sample_lights(lights, u, points.position, wanted, points.count, c, out.drawn[c].light);
         weigh_candidate(input, points, bsdfs, out.drawn[c]);
     }
     draw_choice(input, samples, points, bounce, out.u);

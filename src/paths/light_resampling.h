@@ -59,7 +59,7 @@ struct LightCandidate {
 /// The choices of a batch.
 struct LightCandidates {
     std::vector<LightCandidate> drawn;
-    CandidateColumn chosen;
+    std::array<std::uint32_t, kMaxLanes> chosen;
     Column inverse_probability;
     Column u;  ///< by which they were made
 };

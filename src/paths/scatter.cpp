@@ -145,8 +145,8 @@ void sample_emitters(const TraceInput& input, std::span<const BatchSample> sampl
     if (chooses)
         choose_candidates(input, samples, points, bsdfs, wanted, bounce, d.uniform, w.candidates);
     else
-        sample_lights(*input.scene->lights, d.uniform, points.position, wanted, points.count,
-                      nullptr, w.light);
+        sample_lights(*input.scene->lights, d.uniform, points.position, wanted, points.count, 0,
+                      w.light);
     bsdfs.for_each_kind([&]<class Kind>(const Kind& bsdf, const LaneRange& range) {
         if (Kind::kHasOnlyDelta) return;
         for (std::size_t i = range.begin; i < range.end; i += kLanes) {

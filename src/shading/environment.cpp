@@ -116,14 +116,24 @@ double mean_luminance(const Image& image, int column, int row) {
     return std::isfinite(sum) ? std::max(0.25 * sum, 0.0) : 0.0;
 }
 
-/// Index of a cell. 48 random bits: 24 cannot reach every cell of a large map.
-std::size_t sample_cell(const AliasTable& cells, float u0, float u1) {
+/// Where two uniforms fall among the columns of a table. 48 random bits: 24 cannot reach every cell
+/// of a large map.
+struct DrawnColumn {
+    double scaled;
+    std::size_t index;
+};
+DrawnColumn draw_column(const AliasTable& cells, float u0, float u1) {
     const auto n = cells.columns.size();
     const double scaled =
         (static_cast<double>(u0) + 0x1p-24 * static_cast<double>(u1)) * static_cast<double>(n);
-    const std::size_t i = std::min(static_cast<std::size_t>(scaled), n - 1);
-    const AliasTable::Column& c = cells.columns[i];
-    return scaled - static_cast<double>(i) < static_cast<double>(c.keep) ? i : c.alias;
+    return {scaled, std::min(static_cast<std::size_t>(scaled), n - 1)};
+}
+
+/// Index of a cell.
+std::size_t cell_of(const AliasTable& cells, const DrawnColumn& drawn) {
+    const AliasTable::Column& c = cells.columns[drawn.index];
+    const double within = drawn.scaled - static_cast<double>(drawn.index);
+    return within < static_cast<double>(c.keep) ? drawn.index : c.alias;
 }
 
 /// The chosen cell as whole numbers, and its bounds.
@@ -133,8 +143,7 @@ struct SampledCell {
     T sin2_begin, sin2_end, cos2_begin, cos2_end;
 };
 
-SampledCell<float> sampled_cell(const SkyTable& t, float u0, float u1) {
-    const std::size_t index = sample_cell(t.cells, u0, u1);
+SampledCell<float> sampled_cell(const SkyTable& t, std::size_t index) {
     const auto columns = static_cast<std::size_t>(t.columns);
     const std::size_t row = index / columns;
     const auto &begin = t.row_starts[row], &end = t.row_starts[row + 1];
@@ -146,10 +155,25 @@ SampledCell<float> sampled_cell(const SkyTable& t, float u0, float u1) {
             end.cos2};
 }
 
+SampledCell<float> sampled_cell(const SkyTable& t, float u0, float u1) {
+    return sampled_cell(t, cell_of(t.cells, draw_column(t.cells, u0, u1)));
+}
+
+/// Asks for the memory of all lanes before any of them waits for its own.
 SampledCell<Packet> sampled_cell(const SkyTable& t, const Packet& u0, const Packet& u1) {
+    std::array<DrawnColumn, kLanes> drawn;
+    for (int lane = 0; lane < kLanes; ++lane) {
+        DrawnColumn& d = drawn[static_cast<std::size_t>(lane)];
+        d = draw_column(t.cells, get(u0, lane), get(u1, lane));
+        __builtin_prefetch(&t.cells.columns[d.index]);
+    }
     SampledCell<Packet> result;
     for (int lane = 0; lane < kLanes; ++lane) {
-        const SampledCell<float> c = sampled_cell(t, get(u0, lane), get(u1, lane));
+        const std::size_t index = cell_of(t.cells, drawn[static_cast<std::size_t>(lane)]);
+        const std::size_t below = index + static_cast<std::size_t>(t.columns);
+        __builtin_prefetch(&t.texels[index]);
+        __builtin_prefetch(&t.texels[std::min(below, t.texels.size() - 1)]);
+        const SampledCell<float> c = sampled_cell(t, index);
         set(result.column, lane, c.column), set(result.row, lane, c.row);
         set(result.sin2_begin, lane, c.sin2_begin), set(result.sin2_end, lane, c.sin2_end);
         set(result.cos2_begin, lane, c.cos2_begin), set(result.cos2_end, lane, c.cos2_end);

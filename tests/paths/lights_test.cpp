@@ -283,8 +283,8 @@ void expect_lanes_to_agree(LightSelection selection) {
     scene.emitters.push_back(DirectionalEmitter{});
     const TracedScene traced = prepare(scene, selection);
     const auto draws = std::make_unique<LaneDraws>(5002);
-    sample_lights(*traced.lights, draws->u, draws->position, draws->wanted, LaneDraws::kCount,
-                  nullptr, draws->lanes);
+    sample_lights(*traced.lights, draws->u, draws->position, draws->wanted, LaneDraws::kCount, 0,
+                  draws->lanes);
     int lit = 0;
     for (std::size_t i = 0; i < LaneDraws::kCount; ++i)
         if (i % 7 == 3)
@@ -300,28 +300,19 @@ TEST(Lights, LanesAgreeWithSingleDraws) {
         expect_lanes_to_agree(selection);
 }
 
-/// One candidate of all lanes, and another of each lane.
 void expect_candidates_to_agree(const Scene& scene) {
     const TracedScene traced = prepare(scene, LightSelection::kResampled);
     const std::uint32_t count = candidates_of(traced.lights->selector);
     ASSERT_GT(count, 1u);
     const auto draws = std::make_unique<LaneDraws>(5003);
     const ActiveList& wanted = draws->wanted;
-    const auto candidates = std::make_unique<CandidateColumn>();
     for (std::uint32_t c = 0; c < count; ++c) {
-        candidates->fill(c);
-        sample_lights(*traced.lights, draws->u, draws->position, wanted, LaneDraws::kCount,
-                      candidates.get(), draws->lanes);
+        sample_lights(*traced.lights, draws->u, draws->position, wanted, LaneDraws::kCount, c,
+                      draws->lanes);
         for (std::size_t k = 0; k < wanted.count; ++k)
             draws->expect_single(*traced.lights, wanted.lane[k], c);
         EXPECT_EQ(draws->lanes.pdf[3], 0.0f) << "not wanted";
     }
-    for (std::size_t i = 0; i < LaneDraws::kCount; ++i)
-        (*candidates)[i] = static_cast<std::uint32_t>(i / 16) % count;
-    sample_lights(*traced.lights, draws->u, draws->position, wanted, LaneDraws::kCount,
-                  candidates.get(), draws->lanes);
-    for (std::size_t k = 0; k < wanted.count; ++k)
-        draws->expect_single(*traced.lights, wanted.lane[k], (*candidates)[wanted.lane[k]]);
 }
 
 TEST(Lights, CandidatesInLanesAgreeWithSingleDraws) {
