@@ -4,11 +4,16 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <map>
+#include <optional>
 #include <set>
+#include <utility>
 
 #include "cli/findings.h"
 #include "cli/mesh_check.h"
+#include "core/parallel.h"
 
 namespace burnish {
 
@@ -65,6 +70,12 @@ std::vector<TextureReader> readers_of(const Scene& scene, TextureId texture) {
     return readers;
 }
 
+std::vector<const Mesh*> meshes_of(const std::vector<TextureReader>& readers) {
+    std::vector<const Mesh*> meshes;
+    for (const TextureReader& reader : readers) meshes.push_back(reader.mesh);
+    return meshes;
+}
+
 /// How many of the meshes cover each texel, at most 2.
 UvCovers count_meshes(const std::vector<TextureReader>& readers, const UvTransform& to_uv) {
     UvCovers meshes = make_covers(kSide, kSide);
@@ -99,16 +110,24 @@ std::string sharing_shapes(const std::vector<TextureReader>& readers, const UvTr
 
 void check_overlaps(const Scene& scene, Findings& findings) {
     std::set<const Mesh*> known;  // several instances may show one
+    std::vector<TextureReader> meshes;
+    for (const Shape& shape : scene.shapes) {
+        const Mesh* mesh = unwrapped_mesh(scene, shape);
+        if (mesh && has_parameter(scene, shape.material) && known.insert(mesh).second)
+            meshes.push_back({mesh, shape.id});
+    }
+    std::vector<double> shares(meshes.size());
+    parallel_for(meshes.size(), [&](std::size_t i) {
+        const Mesh& mesh = *meshes[i].mesh;
+        shares[i] = shares_of(covers_of(mesh, fitted(mesh))).overlapping;
+    });
     std::size_t count = 0;
     double most = 0;
     std::string worst;
-    for (const Shape& shape : scene.shapes) {
-        const Mesh* mesh = unwrapped_mesh(scene, shape);
-        if (!mesh || !has_parameter(scene, shape.material) || !known.insert(mesh).second) continue;
-        const double share = shares_of(covers_of(*mesh, fitted(*mesh))).overlapping;
-        if (share <= kWorthSaying) continue;
+    for (std::size_t i = 0; i < meshes.size(); ++i) {
+        if (shares[i] <= kWorthSaying) continue;
         ++count;
-        if (share > most) most = share, worst = shape.id;
+        if (shares[i] > most) most = shares[i], worst = meshes[i].shape;
     }
     if (count == 0) return;
     const std::string which = count == 1 ? fmt::format("shape '{}'", worst)
@@ -124,21 +143,25 @@ void check_shared_textures(const Scene& scene, Findings& findings) {
     double most = 0;
     std::string worst;
     std::vector<TextureId> known;  // several parameters may be one
+    std::map<std::pair<std::vector<const Mesh*>, std::array<float, 6>>, double> shares;
     for (const Parameter& p : scene.parameters) {
         if (std::ranges::count(known, p.texture) > 0) continue;
         known.push_back(p.texture);
         const std::vector<TextureReader> readers = readers_of(scene, p.texture);
         if (readers.size() < 2) continue;
         const UvTransform& to_uv = std::get<Bitmap>(scene[p.texture]).to_uv;
-        const UvCovers meshes = count_meshes(readers, to_uv);
-        const double share = shares_of(meshes).overlapping;
+        // The textures of a material have the same readers, so they are counted once.
+        const auto [of_readers, is_new] = shares.try_emplace({meshes_of(readers), to_uv.m});
+        double& share = of_readers->second;
+        std::optional<UvCovers> meshes;
+        if (is_new) share = shares_of(meshes.emplace(count_meshes(readers, to_uv))).overlapping;
         if (share <= kWorthSaying) continue;
         ++count;
-        if (share <= most) continue;
+        if (share <= most) continue;  // so are those of others with the same readers
         most = share;
         worst = fmt::format(
             "shapes {} share {:.0f} % of the used texels of {}, which get one value together",
-            sharing_shapes(readers, to_uv, meshes), 100 * share, p.name);
+            sharing_shapes(readers, to_uv, *meshes), 100 * share, p.name);
     }
     if (count > 1)
         worst +=

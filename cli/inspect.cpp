@@ -100,13 +100,12 @@ ParameterFacts facts_of(const Parameter& parameter, const Bitmap& bitmap) {
                      0,
                      0};
     const Image texels = linear_image(bitmap);
-    f.low = INFINITY, f.high = -INFINITY;
-    for (const float v : texels.values) {
-        f.low = std::min(f.low, double{v});
-        f.high = std::max(f.high, double{v});
-        f.mean += double{v};
-    }
-    f.mean /= static_cast<double>(texels.values.size());
+    float low = INFINITY, high = -INFINITY;
+    double sum = 0;
+    for (const float v : texels.values)
+        low = std::min(low, v), high = std::max(high, v), sum += double{v};
+    f.low = double{low}, f.high = double{high};
+    f.mean = sum / static_cast<double>(texels.values.size());
     return f;
 }
 
@@ -218,26 +217,6 @@ void add_what_is_seen(const TracedScene& traced, std::span<const TracedScene> vi
     check_resolution(scene, pixels, facts.findings);
 }
 
-/// Of one sample per pixel, taken of a picture of at most about 200000 pixels.
-double seconds_of_a_pass(const TracedScene& traced) {
-    constexpr double kMaxPixels = 2e5;
-    Film film = traced.film;
-    const double step = std::max(1.0, std::sqrt(pixels_of(film) / kMaxPixels));
-    const auto smaller = [&](int side) { return std::max(1, static_cast<int>(side / step)); };
-    film.width = smaller(film.width), film.height = smaller(film.height);
-    film.crop_width = std::min(smaller(film.crop_width), film.width);
-    film.crop_height = std::min(smaller(film.crop_height), film.height);
-    film.crop_x = std::min(smaller(film.crop_x), film.width - film.crop_width);
-    film.crop_y = std::min(smaller(film.crop_y), film.height - film.crop_height);
-    const TracedScene small = with_camera(traced, traced.camera, film);
-    const TextureTable textures{traced.scene->textures, {}};
-    TraceInput input;
-    input.scene = &small, input.textures = &textures, input.key = {0, Stream::kTrial};
-    const Stopwatch watch;
-    render(input, 0, 1);
-    return watch.total() * pixels_of(traced.film) / pixels_of(film);
-}
-
 void count_shapes(const Scene& scene, SceneFacts& facts) {
     for (const Shape& s : scene.shapes)
         match(
@@ -258,6 +237,25 @@ void count_shapes(const Scene& scene, SceneFacts& facts) {
 }
 
 }  // namespace
+
+double seconds_of_a_pass(const TracedScene& traced) {
+    constexpr double kMaxPixels = 2e5;
+    Film film = traced.film;
+    const double step = std::max(1.0, std::sqrt(pixels_of(film) / kMaxPixels));
+    const auto smaller = [&](int side) { return std::max(1, static_cast<int>(side / step)); };
+    film.width = smaller(film.width), film.height = smaller(film.height);
+    film.crop_width = std::min(smaller(film.crop_width), film.width);
+    film.crop_height = std::min(smaller(film.crop_height), film.height);
+    film.crop_x = std::min(smaller(film.crop_x), film.width - film.crop_width);
+    film.crop_y = std::min(smaller(film.crop_y), film.height - film.crop_height);
+    const TracedScene small = with_camera(traced, traced.camera, film);
+    const TextureTable textures{traced.scene->textures, {}};
+    TraceInput input;
+    input.scene = &small, input.textures = &textures, input.key = {0, Stream::kTrial};
+    const Stopwatch watch;
+    render(input, 0, 1);
+    return watch.total() * pixels_of(traced.film) / pixels_of(film);
+}
 
 SceneFacts inspect(const TracedScene& traced, std::span<const TracedScene> views) {
     const Scene& scene = *traced.scene;

@@ -43,6 +43,9 @@ struct SceneFacts {
 /// of pictures to fit, if there are some: they take the place of the scene's own.
 SceneFacts inspect(const TracedScene& traced, std::span<const TracedScene> views = {});
 
+/// Of one sample per pixel, taken here and now of a picture of at most about 200000 pixels.
+double seconds_of_a_pass(const TracedScene& traced);
+
 /// Whether a shape is seen in a coarse picture: small ones may be missed.
 bool shows_a_shape(const TracedScene& view);
 

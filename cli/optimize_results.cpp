@@ -10,12 +10,12 @@
 #include "cli/demo_scene.h"
 #include "cli/folder_content.h"
 #include "cli/history.h"
+#include "cli/inspect.h"
 #include "cli/interrupt.h"
 #include "cli/progress.h"
 #include "cli/report.h"
 #include "cli/summary.h"
 #include "core/parallel.h"
-#include "core/stopwatch.h"
 #include "image/files.h"
 #include "image/image.h"
 #include "optimize/batch.h"
@@ -49,9 +49,8 @@ void log_long_phases(const RunResult& run) {
     const double of_evaluation =
         evaluation > 0 ? all * (start_samples(run.renderers.size()) + evaluation) : 0;
     if (!is_first(run.ranks) || rendered * target + of_evaluation < kFew) return;
-    const Stopwatch watch;
-    run.renderers.front().render(1);
-    const double seconds = watch.total() / pixels_of(run.renderers.front());
+    const Renderer& first = run.renderers.front();
+    const double seconds = seconds_of_a_pass(first.data().traced) / pixels_of(first);
     note_long("rendering the target", seconds * rendered * target, "--target-spp");
     if (evaluation > 0)
         note_long("evaluating the start and the result", seconds * of_evaluation,
