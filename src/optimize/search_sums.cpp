@@ -5,6 +5,7 @@
 
 #include "core/parallel.h"
 #include "optimize/search_samples.h"
+#include "render/telling.h"
 
 namespace burnish {
 
@@ -142,16 +143,19 @@ void add_tiles(std::span<const SearchFrame> frames, std::span<const GroupColors>
                std::vector<GroupSums>& sums, const Progress& progress) {
     constexpr std::size_t kAtOnce = 256;  // tiles: bounds what their sums take
     const std::vector<ViewTile> tiles = make_view_tiles(frames);
+    Telling telling(progress, static_cast<double>(tiles.size()));
     for (std::size_t begin = 0; begin < tiles.size(); begin += kAtOnce) {
         const auto some = std::span(tiles).subspan(begin, std::min(kAtOnce, tiles.size() - begin));
         std::vector<std::vector<TileSums>> found(some.size());
-        parallel_for(some.size(), [&](std::size_t i) { found[i] = sum_groups(some[i], colors); });
+        parallel_for(some.size(), [&](std::size_t i) {
+            found[i] = sum_groups(some[i], colors);
+            telling.add(1);
+        });
         for (std::size_t i = 0; i < some.size(); ++i)
             for (std::size_t g = 0; g < found[i].size(); ++g)
                 add(found[i][g], some[i].frame->plan.groups[g].candidates.size(), sums[g]);
-        if (progress)
-            progress(static_cast<double>(begin + some.size()) / static_cast<double>(tiles.size()));
     }
+    telling.tell();
 }
 
 }  // namespace

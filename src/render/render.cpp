@@ -1,13 +1,13 @@
 #include "render/render.h"
 
 #include <algorithm>
-#include <atomic>
 #include <numeric>
 #include <utility>
 
 #include "core/parallel.h"
 #include "paths/primary_rays.h"
 #include "render/pass_convolution.h"
+#include "render/telling.h"
 
 namespace burnish {
 
@@ -98,38 +98,6 @@ TileSum render_tile(const TraceInput& input, TraceBatch trace_batch, const Tile&
     }
     return sum;
 }
-
-/// Tells a progress of the share that is done, one call at a time. A thread that comes while
-/// another one tells does not wait: the call may start loops of its own, whose threads come here
-/// again.
-class Telling {
-  public:
-    /// all: of what is added.
-    Telling(const Progress& progress, double all) : progress_(progress), all_(all) {}
-
-    void add(std::uint32_t done) {
-        done_ += done;
-        tell();
-    }
-    /// What was not told yet.
-    void tell() {
-        if (!progress_ || is_telling_.exchange(true)) return;
-        const Ended ended{is_telling_};
-        const std::uint64_t done = done_;
-        if (done > std::exchange(told_, done)) progress_(static_cast<double>(done) / all_);
-    }
-
-  private:
-    struct Ended {
-        std::atomic<bool>& is_telling;
-        ~Ended() { is_telling = false; }
-    };
-    const Progress& progress_;
-    double all_;
-    std::atomic<std::uint64_t> done_ = 0;
-    std::atomic<bool> is_telling_ = false;
-    std::uint64_t told_ = 0;  ///< by who tells
-};
 
 TileImages tiles_with(const TraceInput& input, TraceBatch trace_batch, const Passes& passes,
                       const IndexRange& range, RenderCounts* counts, const Progress& progress) {

@@ -71,6 +71,21 @@ TEST(StartSearch, IsTheSameHoweverDarkAPhotographIs) {
         EXPECT_EQ(searched(std::ldexp(1.0f, power)), expected) << power;
 }
 
+/// Of a picture of few tiles, too.
+TEST(StartSearch, TellsHowFarItIs) {
+    const Scene scene = smooth_scene();
+    const Problem problem = searched_problem(scene, SearchStart{});
+    std::vector<double> told;
+    const Solver solver(problem, {}, [&](const std::string& stage, double share) {
+        if (stage == "searching the start") told.push_back(share);
+    });
+    EXPECT_TRUE(std::is_sorted(told.begin(), told.end()));
+    ASSERT_FALSE(told.empty());
+    EXPECT_LT(told.front(), 1);
+    EXPECT_EQ(told.back(), 1);
+    EXPECT_TRUE(std::ranges::any_of(told, [](double share) { return share > 0.2 && share < 0.8; }));
+}
+
 TEST(StartSearch, FindsColorsByTheRatioOfPictureAndRender) {
     Principled floor;  // neither lobe but the diffuse one matters much
     floor.base_color.texture = {0};
