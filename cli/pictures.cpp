@@ -93,9 +93,12 @@ Image signed_color(const Image& image, float white) {
 
 const char* false_color_gradient() { return kStopsCss; }
 
-Image shrink(const Image& image, int most) {
-    const int factor = (std::max(image.width, image.height) + most - 1) / most;
-    if (factor <= 1) return image;
+Image shrink(const Image& image, int most, std::span<const char> counting) {
+    const int factor = std::max(1, (std::max(image.width, image.height) + most - 1) / most);
+    if (factor == 1 && counting.empty()) return image;
+    const auto counts = [&](int x, int y) {
+        return counting.empty() || counting[static_cast<std::size_t>(y) * image.width + x] != 0;
+    };
     Image small = make_image((image.width + factor - 1) / factor,
                              (image.height + factor - 1) / factor, image.channels);
     for (int y = 0; y < small.height; ++y)
@@ -105,8 +108,8 @@ Image shrink(const Image& image, int most) {
                 int count = 0;
                 for (int v = y * factor; v < std::min((y + 1) * factor, image.height); ++v)
                     for (int u = x * factor; u < std::min((x + 1) * factor, image.width); ++u)
-                        sum += double{image.at(u, v, c)}, ++count;
-                small.at(x, y, c) = static_cast<float>(sum / count);
+                        if (counts(u, v)) sum += double{image.at(u, v, c)}, ++count;
+                small.at(x, y, c) = count > 0 ? static_cast<float>(sum / count) : 0;
             }
     return small;
 }

@@ -96,47 +96,63 @@ std::string value_section(const RunResult& run, std::size_t i) {
 std::string texture_section(const RunResult& run, std::size_t i) {
     const TargetTexture& t = run.textures[i];
     if (is_one_value(t.initial)) return value_section(run, i);
+std::string texture_heading(const TargetTexture& t) {
+    return fmt::format("<h2>{} <small>{} × {} texels, {}, {}</small></h2>\n", escape_html(t.name),
+                       t.initial.width, t.initial.height,
+                       t.initial.channels == 1 ? "one channel" : "RGB",
+                       t.raw ? "shown as they are" : "shown sRGB-coded");
+}
+
     const Image& after = run.result.summary.textures[i].values;
     const auto show = [&](const std::string& name, const std::string& more, const Image& texels) {
         return figure(name, more, shrink(texels, kTextureSide), !t.raw);
     };
     const auto error = [&](double e) { return "error " + error_text(e, 4); };
-    std::string html = fmt::format("<h2>{}<small>{} × {} texels, {}</small></h2>\n",
-                                   escape_html(t.name), t.initial.width, t.initial.height,
-                                   t.initial.channels == 1 ? "one channel" : "RGB");
+    const std::string heading = texture_heading(t);
     if (!t.truth)
-        return html + "<div class=\"pictures three\">\n" + show("Start", "", t.initial) +
+        return heading + "<div class=\"pictures three\">\n" + show("Start", "", t.initial) +
                show("Result", "", after) + "</div>\n";
-    Image difference = absolute_error(after, *t.truth);
     const std::vector<char>& visited = t.evidence.visited;
-    for (std::size_t k = 0; k < visited.size(); ++k)
-        if (!visited[k]) difference.values[k] = 0;
-    const float white = std::max(quantile(absolute_error(t.initial, *t.truth), 0.99), 1e-3f);
-    html += "<div class=\"pictures four\">\n";
+    const float white =
+        std::max(quantile(absolute_error(t.initial, *t.truth), 0.99, visited), 1e-3f);
+    const auto difference = [&](const std::string& whose, const Image& texels) {
+        const Image shown = shrink(absolute_error(texels, *t.truth), kTextureSide, visited);
+        return figure("Difference", whose + " and truth", false_color(shown, white), false);
+    };
+    std::string html =
+        heading + fmt::format("<div class=\"pictures {}\">\n", run.compared ? "three" : "four");
     html += show("Truth", "", *t.truth);
     html += show("Result", error(run.result.texture_errors[i].seen), after);
-    if (run.compared)
-        html += show(fmt::format("Result of {}", name_of(*run.compared)),
-                     error(run.compared->texture_errors[i].seen),
-                     run.compared->summary.textures[i].values);
-    else
-        html += show("Start", error(run.initial_errors[i].seen), t.initial);
-    html += figure("Difference", "result and truth",
-                   false_color(shrink(difference, kTextureSide), white), false);
+    html += show("Start", error(run.initial_errors[i].seen), t.initial);
+    html += difference("result", after);
+    if (run.compared) {
+        const std::string name = name_of(*run.compared);
+        const Image& other = run.compared->summary.textures[i].values;
+        html += show("Result of " + name, error(run.compared->texture_errors[i].seen), other);
+        html += difference("result of " + name, other);
+    }
     return html + "</div>\n" + color_key(white, "difference, where light reaches the texture");
 }
 
 /// Where the picture says something about the texture, and how surely.
 std::string evidence_section(const RunResult& run, std::size_t i) {
     if (is_one_value(run.textures[i].initial)) return "";
-    std::string html = "<div style=\"height:18px\"></div><div class=\"pictures four\">\n";
-    for (const auto& [name, map] : evidence_maps(run.result.summary.textures[i]))
-        html += name == "coverage" ? figure("Coverage", "iterations with samples",
-                                            false_color(shrink(*map, kTextureSide), 1), false)
-                                   : figure("Confidence", "signal-to-noise gate of the gradient",
-                                            false_color(shrink(*map, kTextureSide), 1), false);
-    html += "</div>\n" +
-            color_key(1, "coverage: share of the iterations; confidence: higher where less noise");
+    const RecoveredTexture& t = run.result.summary.textures[i];
+    std::vector<char> covered(t.coverage.values.size());
+    for (std::size_t k = 0; k < covered.size(); ++k) covered[k] = t.coverage.values[k] > 0;
+    std::string html = "<div style=\"height:18px\"></div><div class=\"pictures four\">\n", key;
+    for (const auto& [name, map] : evidence_maps(t)) {
+        const bool is_coverage = name == "coverage";
+        const Image shown =
+            is_coverage ? shrink(*map, kTextureSide) : shrink(*map, kTextureSide, covered);
+        html +=
+            figure(is_coverage ? "Coverage" : "Confidence",
+                   is_coverage ? "iterations with samples" : "signal-to-noise gate of the gradient",
+                   false_color(shown, 1), false);
+        key += is_coverage ? "coverage: share of the iterations"
+                           : "; confidence: higher where less noise";
+    }
+    html += "</div>\n" + color_key(1, key);
     const std::string unvisited = unvisited_text(run, i);
     return unvisited.empty() ? html : html + "<p class=\"note\">" + unvisited + "</p>\n";
 }

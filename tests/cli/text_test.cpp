@@ -112,6 +112,24 @@ TEST(Pictures, ShrinkAverages) {
     EXPECT_FLOAT_EQ(small.at(1, 0, 0), 2.5f);
 }
 
+/// Values of few pixels are not thinned by those around them that do not count.
+TEST(Pictures, ShrinkAveragesWhatCounts) {
+    Image image = make_image(1024, 1024, 1, 7.0f);
+    std::vector<char> counting(image.values.size());
+    for (int y = 0; y < 1024; y += 2)
+        for (int x = 0; x < 1024; x += 2) {
+            image.at(x, y, 0) = 0.4f;
+            counting[static_cast<std::size_t>(y) * 1024 + static_cast<std::size_t>(x)] = 1;
+        }
+    const Image small = shrink(image, 512, counting);
+    EXPECT_EQ(small.width, 512);
+    EXPECT_EQ(small.values, std::vector<float>(512 * 512, 0.4f));
+    const Image whole = shrink(image, 1024, counting);
+    EXPECT_EQ(whole.width, 1024);
+    EXPECT_EQ(whole.at(2, 0, 0), 0.4f);
+    EXPECT_EQ(whole.at(1, 0, 0), 0) << "it does not count";
+}
+
 TEST(Console, WordsOfAShellAreQuotedWhereTheyHaveToBe) {
     for (const char* plain : {"out/a_1.x", "m\xc3\xb6", "--x=1"})
         EXPECT_EQ(shell_word(plain), plain);
