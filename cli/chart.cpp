@@ -90,32 +90,47 @@ std::string line(const ChartSeries& series, const Extent& e) {
     return svg;
 }
 
-/// The names of the lines, at the top right.
-std::string legend(const Chart& chart) {
-    if (chart.series.size() < 2) return {};
+/// The names of the lines, in rows above the plot: the last row ends at y = 0.
+struct Legend {
     std::string svg;
-    double y = kTop + 12;
+    double height = 0;
+};
+
+Legend legend(const Chart& chart) {
+    if (chart.series.size() < 2) return {};
+    constexpr double kRow = 20, kSample = 34, kLetter = 7.5, kGap = 18;  // a letter at most
+    std::vector<ChartPoint> places;
+    double x = kLeft, y = 0;
     for (const ChartSeries& s : chart.series) {
-        svg += fmt::format(
+        const double width = kSample + kLetter * static_cast<double>(s.name.size());
+        if (x > kLeft && x + width > kWidth - kRight) x = kLeft, y += kRow;
+        places.push_back({x, y});
+        x += width + kGap;
+    }
+    Legend result{"", y + kRow};
+    for (std::size_t i = 0; i < places.size(); ++i)
+        result.svg += fmt::format(
             "<path class=\"line {0}\" d=\"M{1:.1f} {2:.1f}h26\"/>"
             "<text x=\"{3:.1f}\" y=\"{4:.1f}\">{5}</text>",
-            s.style, kWidth - kRight - 130, y - 4, kWidth - kRight - 96, y, escape_html(s.name));
-        y += 20;
-    }
-    return svg;
+            chart.series[i].style, places[i].x, places[i].y - result.height + 12,
+            places[i].x + kSample, places[i].y - result.height + 16,
+            escape_html(chart.series[i].name));
+    return result;
 }
 
 }  // namespace
 
 std::string chart_svg(const Chart& chart) {
     const Extent e = extent_of(chart);
+    const Legend names = legend(chart);
     std::string svg = fmt::format(
-        "<svg class=\"chart\" viewBox=\"0 0 {} {}\" role=\"img\" "
+        "<svg class=\"chart\" viewBox=\"0 {} {} {}\" role=\"img\" "
         "aria-label=\"{} over {}\">",
-        kWidth, kHeight, escape_html(chart.y_label), escape_html(chart.x_label));
+        0 - names.height, kWidth, kHeight + names.height, escape_html(chart.y_label),
+        escape_html(chart.x_label));
     svg += axes(chart, e);
     for (const ChartSeries& s : chart.series) svg += line(s, e);
-    return svg + legend(chart) + "</svg>";
+    return svg + names.svg + "</svg>";
 }
 
 std::vector<double> linear_ticks(double low, double high, int most) {
@@ -137,7 +152,7 @@ std::vector<double> log_ticks(double low, double high) {
     for (double k = std::floor(std::log10(low)); k <= std::log10(high); ++k)
         for (const double factor : {1.0, 2.0, 5.0}) {
             const double tick = factor * std::pow(10.0, k);
-            const bool wanted = factor == 1.0 || decades < 2.5;
+            const bool wanted = factor == 1.0 || decades < 3;
             if (wanted && tick >= low && tick <= high) ticks.push_back(tick);
         }
     // Less than a factor of about three: powers of ten are too far apart.

@@ -19,7 +19,7 @@ struct ChartSeries {
 };
 
 /// A chart with a linear x axis and a logarithmic y axis. Points with y <= 0, or that are not
-/// finite, are left out.
+/// finite, are left out. Several series are named above the plot.
 struct Chart {
     std::string x_label, y_label;
     std::vector<ChartSeries> series;
@@ -32,7 +32,7 @@ std::string chart_svg(const Chart& chart);
 
 /// Round numbers 1, 2, 5 times a power of ten that divide [low, high] into at most `most` steps.
 std::vector<double> linear_ticks(double low, double high, int most);
-/// Powers of ten within [low, high]; with 2 and 5 times them where the powers alone are few; round
+/// Powers of ten within [low, high]; with 2 and 5 times them on less than three decades; round
 /// steps where those are few, too.
 std::vector<double> log_ticks(double low, double high);
 

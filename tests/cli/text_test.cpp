@@ -1,6 +1,10 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <regex>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include "cli/chart.h"
 #include "cli/console.h"
@@ -52,6 +56,8 @@ TEST(Chart, LogTicks) {
     EXPECT_EQ(log_ticks(1, 1e4), (std::vector<double>{1, 10, 100, 1e3, 1e4}));
     EXPECT_EQ(log_ticks(0.9, 11), (std::vector<double>{1, 2, 5, 10}));
     EXPECT_GE(log_ticks(0.031, 0.039).size(), 3u) << "a narrow range has ticks as well";
+    for (const auto& [low, high] : {std::pair{0.00156, 0.624}, {0.0012, 0.9}, {0.011, 5.0}})
+        EXPECT_LE(log_ticks(low, high).front(), 5 * low) << low << " to " << high;
 }
 
 TEST(Chart, DrawsPointsWhereTheyBelongAndEscapesText) {
@@ -65,6 +71,30 @@ TEST(Chart, DrawsPointsWhereTheyBelongAndEscapesText) {
     EXPECT_EQ(svg.find("nan"), std::string::npos);
     EXPECT_EQ(svg.find("inf"), std::string::npos);
     EXPECT_NE(svg.find("d=\"M76.0 "), std::string::npos) << "x = 0 lies on the left axis";
+}
+
+TEST(Chart, NamesItsSeriesAboveThePlot) {
+    Chart chart{"x", "y", {}};
+    const std::vector<std::string> names{"mc", "pgris, identity shift", "pgris, replay shift",
+                                         "path cache, its image included", "gris"};
+    for (const std::string& name : names) chart.series.push_back({name, "first", {{0, 1}}, {}});
+    const std::string svg = chart_svg(chart);
+    const auto number = [&](const std::string& pattern) {
+        std::smatch found;
+        EXPECT_TRUE(std::regex_search(svg, found, std::regex(pattern))) << pattern << svg;
+        return found.empty() ? NAN : std::stod(found[1]);
+    };
+    const double top = number("viewBox=\"0 ([-0-9.]+) ");
+    const double plot = number("class=\"axis\" d=\"M[0-9.]+ ([-0-9.]+)V");
+    for (const std::string& name : names) {
+        const std::string text = "\">" + name + "<";
+        EXPECT_LT(number("y=\"([-0-9.]+)" + text), plot) << name;
+        EXPECT_GT(number("y=\"([-0-9.]+)" + text), top) << name;
+        EXPECT_LT(
+            number("x=\"([-0-9.]+)\" y=\"[-0-9.]+" + text) + 6 * static_cast<double>(name.size()),
+            640)
+            << name;
+    }
 }
 
 TEST(Chart, LeavesOutWhatIsNotFinite) {
