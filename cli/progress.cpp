@@ -21,10 +21,33 @@ std::size_t terminal_columns() {
     return known ? size.ws_col : 80;
 }
 
-/// The line is cut where it would wrap: a wrapped line cannot be rewritten.
+/// A line that wraps could not be rewritten.
 void rewrite_line(const std::string& text) {
-    fmt::print(stderr, "\r{}\x1b[K", printable(text).substr(0, terminal_columns() - 1));
+    fmt::print(stderr, "\r{}\x1b[K", text);
     std::fflush(stderr);
+}
+
+bool begins_letter(char c) { return (static_cast<unsigned char>(c) & 0xc0) != 0x80; }
+
+/// Of a terminal, at most: letters from U+1000 on, as those of Chinese, may take two.
+std::size_t columns_of(const std::string& utf8) {
+    std::size_t columns = 0;
+    for (const char c : utf8) {
+        columns += begins_letter(c);
+        columns += static_cast<unsigned char>(c) >= 0xe1;
+    }
+    return columns;
+}
+
+std::string shortened(std::string text, std::size_t columns) {
+    if (columns_of(text) <= columns) return text;
+    const std::string end = "…";
+    if (columns_of(end) > columns) return "";
+    while (columns_of(text + end) > columns) {
+        while (!begins_letter(text.back())) text.pop_back();
+        text.pop_back();
+    }
+    return text + end;
 }
 
 double seconds_since(std::chrono::steady_clock::time_point start) {
@@ -32,6 +55,22 @@ double seconds_since(std::chrono::steady_clock::time_point start) {
 }
 
 }  // namespace
+
+std::string progress_line(const std::string& title, const std::string& text,
+                          std::optional<double> share, std::size_t columns) {
+    constexpr std::size_t kMost = 24, kLeast = 6, kFrame = 3;  // of a bar; its ends and a space
+    const std::size_t all = columns - 1;                       // a full line would wrap
+    const std::string numbers = "  " + printable(text);
+    const std::size_t room = all - std::min(all, columns_of(numbers));
+    const std::string name = shortened(printable(title), room);
+    const std::size_t left = room - columns_of(name);
+    if (!share || left < kLeast + kFrame) return shortened(name + numbers, all);
+    const std::size_t cells = std::min(kMost, left - kFrame);
+    const auto filled =
+        static_cast<std::size_t>(std::clamp(*share, 0.0, 1.0) * static_cast<double>(cells));
+    return fmt::format("{}  [{:=<{}}{: <{}}] {}", name, "", filled, "", cells - filled,
+                       numbers.substr(2));
+}
 
 ProgressLine::ProgressLine(std::string title)
     : title_(std::move(title)), rewrites_(can_rewrite_lines()) {}
@@ -45,26 +84,25 @@ bool ProgressLine::is_due() const {
     return seconds_since(std::max(start_, shown_)) >= 10;
 }
 
-void ProgressLine::show(const std::string& text) {
-    if (!is_due()) return;
+void ProgressLine::write(const std::string& text, std::optional<double> share) {
     shown_ = Clock::now();
-    const std::string line = title_ + "  " + text;
     if (rewrites_)
-        rewrite_line(line);
+        rewrite_line(progress_line(title_, text, share, terminal_columns()));
     else
-        log_info(line);
+        log_info(title_ + "  " + text);
+}
+
+void ProgressLine::show(const std::string& text) {
+    if (is_due()) write(text, {});
 }
 
 void ProgressLine::show_share(double share) {
     if (!first_) first_ = {share, Clock::now()};
     if (!is_due()) return;
-    constexpr int kBar = 24;
-    const int filled = static_cast<int>(share * kBar);
     const double done = share - first_->share, elapsed = seconds_since(first_->at);
-    const std::string left = done > 0 ? duration_text(elapsed / done * (1 - share)) + " left" : "";
-    const std::string bar =
-        rewrites_ ? fmt::format("[{:=<{}}{: <{}}] ", "", filled, "", kBar - filled) : "";
-    show(fmt::format("{}{:3.0f} %  {}", bar, 100 * share, left));
+    const std::string left =
+        done > 0 ? "  " + duration_text(elapsed / done * (1 - share)) + " left" : "";
+    write(fmt::format("{:3.0f} %{}", 100 * share, left), share);
 }
 
 TickingLine::TickingLine(const std::string& title)

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <chrono>
+#include <cstddef>
 #include <optional>
 #include <string>
 #include <thread>
@@ -10,6 +11,12 @@
 #include "render/render.h"
 
 namespace burnish {
+
+/// What a line of a terminal of so many columns, at least two, shows without wrapping: the title, a
+/// bar of the share where six cells of one have room, and the text, of which nothing is cut while
+/// it has room itself. "…" ends a title that has too little. Texts are UTF-8.
+std::string progress_line(const std::string& title, const std::string& text,
+                          std::optional<double> share, std::size_t columns);
 
 /// Erases its line when it goes. Calls must come one at a time.
 class ProgressLine {
@@ -28,6 +35,7 @@ class ProgressLine {
   private:
     using Clock = std::chrono::steady_clock;
     bool is_due() const;
+    void write(const std::string& text, std::optional<double> share);
     std::string title_;
     bool rewrites_;
     Clock::time_point start_ = Clock::now(), shown_{};

@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <regex>
 #include <string>
@@ -9,6 +10,7 @@
 #include "cli/chart.h"
 #include "cli/console.h"
 #include "cli/pictures.h"
+#include "cli/progress.h"
 #include "optimize/option_value.h"
 
 namespace burnish {
@@ -158,6 +160,38 @@ TEST(Pictures, ShrinkAveragesWhatCounts) {
     EXPECT_EQ(whole.width, 1024);
     EXPECT_EQ(whole.at(2, 0, 0), 0.4f);
     EXPECT_EQ(whole.at(1, 0, 0), 0) << "it does not count";
+}
+
+/// Bytes of UTF-8 whose letters take a column each.
+std::size_t letters_of(const std::string& text) {
+    return static_cast<std::size_t>(
+        std::count_if(text.begin(), text.end(), [](char c) { return (c & 0xc0) != 0x80; }));
+}
+
+TEST(ProgressLine, KeepsItsNumbersInTheWidthOfTheTerminal) {
+    const std::string numbers = " 56 %  2 min 04 s left";
+    const std::string wide = progress_line("rendering", numbers, 0.5, 80);
+    EXPECT_EQ(wide, "rendering  [============            ]  56 %  2 min 04 s left");
+    for (std::size_t columns = 30; columns <= 100; ++columns)
+        for (const char* title : {"finding the texels that light reaches",
+                                  "goblet/inverse: goblet: pgris, replay shift, run 3 of 5",
+                                  "loading /data/m\xc3\xb6\xc3\xb6\xc3\xb6"
+                                  "bel/\xe6\x9d\xb1\xe4\xba\xac.xml"}) {
+            const std::string line = progress_line(title, numbers, 0.56, columns);
+            EXPECT_LT(letters_of(line), columns) << line;
+            EXPECT_TRUE(line.ends_with(numbers)) << line;
+            EXPECT_TRUE(line.starts_with("f") || line.starts_with("g") || line.starts_with("l"));
+        }
+    const std::string narrow =
+        progress_line("finding the texels that light reaches", numbers, 0.56, 50);
+    EXPECT_EQ(narrow, "finding the texels that\xe2\x80\xa6  " + numbers);
+    EXPECT_EQ(progress_line("iteration", "3/6  loss 0.1", {}, 80), "iteration  3/6  loss 0.1");
+}
+
+TEST(ProgressLine, CutsNoLetterInTwo) {
+    const std::string umlauts = "\xc3\xa4\xc3\xb6\xc3\xbc\xc3\xa4\xc3\xb6\xc3\xbc";
+    EXPECT_EQ(progress_line(umlauts, "1 s", {}, 12), umlauts + "  1 s");
+    EXPECT_EQ(progress_line(umlauts, "1 s", {}, 11), "\xc3\xa4\xc3\xb6\xc3\xbc\xe2\x80\xa6  1 s");
 }
 
 TEST(Console, WordsOfAShellAreQuotedWhereTheyHaveToBe) {
