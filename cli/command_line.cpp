@@ -23,7 +23,7 @@ namespace burnish {
 namespace {
 
 constexpr const char* kDescription =
-    "Burnish recovers textures of materials from images, by gradient descent through a physically\n"
+    "Burnish recovers textures of materials from images, by gradient descent through a physically "
     "based renderer. Scenes are Mitsuba 3 XML files. `burnish COMMAND --help` says more.";
 
 void add_commands(CLI::App& app, const Ranks& ranks) {
@@ -41,7 +41,7 @@ void add_commands(CLI::App& app, const Ranks& ranks) {
     add_scene_command(app);
     add_reproduce_command(app);
     add_options_command(app);
-    arrange_help(app);
+    arrange_help(app, help_width());
 }
 
 /// Whether all that was printed arrived. A reader that left is no error: it has what it wanted.

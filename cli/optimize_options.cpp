@@ -104,11 +104,13 @@ void add_flag(CLI::App& command, const Flag& flag, OptimizeArguments& arguments)
 
 /// What --help-all says of the options that have no flag.
 std::string set_help() {
+    constexpr std::size_t kIndent = 6;
     std::string text = "Set with --set NAME=VALUE or in a file of --options:\n";
     for (const Setting& s : all_settings())
         if (!*s.info.flag)
-            text += fmt::format("  {} {} [{}]\n      {}\n", s.info.name, s.placeholder,
-                                s.default_value, s.info.sentence);
+            text +=
+                fmt::format("  {} {} [{}]\n      {}\n", s.info.name, s.placeholder, s.default_value,
+                            wrap(s.info.sentence, help_width() - kIndent, kIndent));
     return text;
 }
 

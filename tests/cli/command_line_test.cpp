@@ -791,6 +791,18 @@ TEST_F(CommandLine, HelpFitsOneScreen) {
     }
 }
 
+TEST_F(CommandLine, NoLineOfAHelpIsLongerThanAHundredLetters) {
+    for (const char* asked : {"--help", "new --help", "optimize --help-all", "batch --help",
+                              "render --help", "gradient --help", "check-gradient --help",
+                              "info --help", "scene --help", "reproduce --help"}) {
+        std::istringstream lines(run(asked).out);
+        std::size_t count = 0;
+        for (std::string line; std::getline(lines, line); ++count)
+            EXPECT_LE(line.size(), 100u) << asked << ": " << line;
+        EXPECT_GT(count, 5u) << asked;
+    }
+}
+
 TEST_F(CommandLine, TheReferencePageIsThatOfTheTable) {
     EXPECT_EQ(run("options --markdown").out,
               read_text(BURNISH_TEST_DATA "/../../docs/reference/options.md"))

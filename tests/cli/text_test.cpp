@@ -1,7 +1,9 @@
 #include <gtest/gtest.h>
 
+#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cmath>
+#include <sstream>
 #include <regex>
 #include <string>
 #include <utility>
@@ -11,6 +13,7 @@
 #include "cli/console.h"
 #include "cli/pictures.h"
 #include "cli/progress.h"
+#include "cli/help.h"
 #include "optimize/option_value.h"
 
 namespace burnish {
@@ -192,6 +195,22 @@ TEST(ProgressLine, CutsNoLetterInTwo) {
     const std::string umlauts = "\xc3\xa4\xc3\xb6\xc3\xbc\xc3\xa4\xc3\xb6\xc3\xbc";
     EXPECT_EQ(progress_line(umlauts, "1 s", {}, 12), umlauts + "  1 s");
     EXPECT_EQ(progress_line(umlauts, "1 s", {}, 11), "\xc3\xa4\xc3\xb6\xc3\xbc\xe2\x80\xa6  1 s");
+}
+
+TEST(Help, IsAsWideAsItsTerminal) {
+    CLI::App app(
+        "What a program does for those that call it, and how they call it, in many words.");
+    const char* text = "What a command does, in more words than a line of a terminal has room for";
+    bool flag = false;
+    app.add_subcommand("act", text)->add_flag("--flag", flag, text);
+    arrange_help(app, 60);
+    for (const std::string& help : {app.help(), app.get_subcommand("act")->help()}) {
+        std::istringstream lines(help);
+        for (std::string line; std::getline(lines, line);) EXPECT_LE(line.size(), 60u) << line;
+        EXPECT_NE(help.find("\n" + std::string(34, ' ') + "more words than a line of\n"),
+                  std::string::npos)
+            << help;
+    }
 }
 
 TEST(Console, WordsOfAShellAreQuotedWhereTheyHaveToBe) {
