@@ -1,9 +1,11 @@
+#include "experiments/ablation.h"
+
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <iterator>
 
-#include "experiments/interval.h"
 #include "experiments/parameterizations.h"
 
 namespace burnish {
@@ -271,14 +273,7 @@ Figure figure_of(const TargetScene& scene, const std::vector<Row>& rows, const P
         nmse(kMcRow), nmse(kRisRow), nmse(kPrisRow), nmse(kGrisRow), nmse(kPgrisRow),
         interval_text(runs.reuse.size()), text_of(reuse), text_of(positivization));
     f.verdict = verdict_of_parts(verdict_below_one(positivization), verdict_below_one(reuse));
-    if (stands_above_one(positivization))
-        f.why =
-            "A second reservoir pays where the samples of a texel differ in sign; where they "
-            "hardly do, one with |q| does as well.";
-    if (stands_above_one(reuse))
-        f.why +=
-            " The textures move so much between iterations that the history says little about "
-            "the present.";
+    f.why = ablation_reason(positivization, reuse);
     f.measured += " Beyond the paper: " + caches_text(rows) + ". " + sampling_text(rows);
     f.tables.push_back(table_of(rows));
     f.plots.push_back(cap_plot(rows));
@@ -286,6 +281,25 @@ Figure figure_of(const TargetScene& scene, const std::vector<Row>& rows, const P
 }
 
 }  // namespace
+
+std::string ablation_reason(const RatioInterval& positivization, const RatioInterval& reuse) {
+    std::vector<std::string> reasons;
+    if (stands_above_one(positivization))
+        reasons.emplace_back(
+            "A second reservoir pays where the samples of a texel differ in sign; where they "
+            "hardly do, one with |q| does as well.");
+    if (stands_above_one(reuse))
+        reasons.emplace_back(
+            "The textures move so much between iterations that the history says little about "
+            "the present.");
+    const Verdict of_reuse = verdict_below_one(reuse);
+    if (reasons.empty() &&
+        falls_short(verdict_of_parts(verdict_below_one(positivization), of_reuse)))
+        reasons.push_back(
+            fmt::format("The interval of {} holds 1: more runs or larger pictures would decide.",
+                        of_reuse == Verdict::kUndecided ? "reuse" : "positivization"));
+    return fmt::format("{}", fmt::join(reasons, " "));
+}
 
 ExperimentResult run_ablation(TargetScenes scenes, const ReproduceOptions& options,
                               const WorkNote& note) {

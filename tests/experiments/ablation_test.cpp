@@ -6,8 +6,8 @@
 #include <map>
 #include <set>
 
+#include "experiments/ablation.h"
 #include "experiments/experiments.h"
-#include "experiments/interval.h"
 #include "experiments/small_target_scene.h"
 
 namespace burnish {
@@ -136,6 +136,19 @@ TEST(Ablation, OneRunDecidesNothing) {
     const bool is_against =
         pgris > nmse.at("pris: positivized, no reuse") || pgris > nmse.at("gris: |q|, reuse");
     EXPECT_EQ(f.why.empty(), !is_against) << f.measured << f.why;
+}
+
+TEST(Ablation, SaysWhyOfWhatDoesNotHoldOrNotAllOfIt) {
+    const RatioInterval below{0.6, 0.5, 0.9}, around{0.8, 0.6, 1.1}, above{1.6, 1.1, 1.9};
+    EXPECT_EQ(ablation_reason(below, below), "");
+    EXPECT_EQ(ablation_reason(around, around), "") << "undecided";
+    EXPECT_EQ(ablation_reason(around, below),
+              "The interval of positivization holds 1: more runs or larger pictures would decide.");
+    EXPECT_EQ(ablation_reason(below, around),
+              "The interval of reuse holds 1: more runs or larger pictures would decide.");
+    EXPECT_TRUE(ablation_reason(above, below).starts_with("A second reservoir"));
+    EXPECT_TRUE(ablation_reason(below, above).starts_with("The textures move"));
+    EXPECT_NE(ablation_reason(above, above).find("as well. The textures"), std::string::npos);
 }
 
 TEST(Ablation, HasARowForEachParameterization) {

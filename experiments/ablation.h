@@ -1,0 +1,15 @@
+// What the ablation says of its claim.
+#pragma once
+
+#include <string>
+
+#include "experiments/interval.h"
+
+namespace burnish {
+
+/// Why the claim does not hold, or not all of it; empty where neither the verdict nor a single run
+/// is against it. The error of pgris over that of gris, which is not positivized, and over that of
+/// pris, which does not reuse.
+std::string ablation_reason(const RatioInterval& positivization, const RatioInterval& reuse);
+
+}  // namespace burnish
