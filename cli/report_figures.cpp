@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "cli/chart.h"
 #include "cli/pictures.h"
 #include "cli/report_style.h"
@@ -12,6 +14,10 @@ namespace burnish {
 namespace {
 
 std::string caption(const std::string& name, const std::string& more) {
+/// Pictures with no longer side are enlarged with their pixels as squares. What shrink() has
+/// averaged is no such picture: half of the most that it is asked for is more.
+constexpr int kSmall = 180;
+
     return fmt::format("<figcaption><b>{}</b>{}</figcaption>", escape_html(name),
                        more.empty() ? "" : " &middot; " + escape_html(more));
 }
@@ -29,7 +35,9 @@ std::string page_html(const std::string& title, const char* more_style, const st
 
 std::string figure(const std::string& name, const std::string& more, const Image& image,
                    bool srgb) {
-    return fmt::format("<figure><img alt=\"{}\" src=\"{}\">{}</figure>\n", escape_html(name),
+    const bool is_small = std::max(image.width, image.height) <= kSmall;
+    return fmt::format("<figure><img{} alt=\"{}\" src=\"{}\">{}</figure>\n",
+                       is_small ? " class=\"small\"" : "", escape_html(name),
                        png_data_uri(image, srgb), caption(name, more));
 }
 
@@ -49,7 +57,9 @@ std::string color_key(float white, const std::string& meaning) {
 }
 
 std::string table(const std::string& title, const TableRows& rows) {
-    std::string html = "<div class=\"card\"><h3>" + title + "</h3><table>\n";
+    std::string html = "<div class=\"card\">";
+    if (!title.empty()) html += "<h3>" + title + "</h3>";
+    html += "<table>\n";
     for (const auto& [name, value] : rows)
         html +=
             fmt::format("<tr><th>{}</th><td>{}</td></tr>\n", escape_html(name), escape_html(value));

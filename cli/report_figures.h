@@ -25,7 +25,7 @@ std::string color_key(float white, const std::string& meaning);
 
 /// What each row is, and what it says.
 using TableRows = std::vector<std::pair<std::string, std::string>>;
-/// title: HTML.
+/// title: HTML; empty: there is none.
 std::string table(const std::string& title, const TableRows& rows);
 
 std::string loss_text(double loss);

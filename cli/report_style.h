@@ -18,7 +18,8 @@ h1 { font-size: 30px; line-height: 1.2; margin: 0; font-weight: 650; letter-spac
 h1 small { display: block; font-size: 13px; letter-spacing: 0.14em; text-transform: uppercase;
   color: var(--accent); font-weight: 650; margin-bottom: 6px; }
 h2 { font-size: 19px; margin: 44px 0 14px; font-weight: 650; overflow-wrap: anywhere; }
-h2 small { font-weight: 400; font-size: 14px; color: var(--soft); margin-left: 8px; }
+h2 small { font-weight: 400; font-size: 14px; color: var(--soft); margin-left: 4px;
+  display: inline-block; overflow-wrap: normal; }
 .tiles { display: grid; grid-template-columns: repeat(auto-fit, minmax(190px, 1fr)); gap: 14px;
   margin-top: 26px; }
 .tile, .card { background: var(--card); border: 1px solid var(--rule); border-radius: 12px; }
@@ -34,6 +35,7 @@ h2 small { font-weight: 400; font-size: 14px; color: var(--soft); margin-left: 8
 figure { margin: 0; background: var(--card); border: 1px solid var(--rule); border-radius: 12px;
   overflow: hidden; }
 figure img { display: block; width: 100%; height: auto; background: #000; }
+img.small { image-rendering: pixelated; }
 .pictures.sheet { grid-template-columns: repeat(auto-fill, minmax(min(360px, 100%), 1fr)); }
 .strip { display: grid; grid-template-columns: repeat(3, 1fr); align-items: start; }
 figcaption { padding: 9px 14px 11px; font-size: 13px; color: var(--soft); }
@@ -41,10 +43,12 @@ figcaption b { color: var(--ink); font-weight: 600; }
 .key { display: flex; align-items: center; gap: 10px; margin: 12px 2px 0; font-size: 13px;
   color: var(--soft); }
 .key i { display: block; height: 10px; width: 220px; border-radius: 5px; }
-.charts { display: grid; grid-template-columns: repeat(auto-fit, minmax(min(460px, 100%), 1fr));
+.charts { display: grid; grid-template-columns: repeat(auto-fit, minmax(min(520px, 100%), 1fr));
   gap: 18px; }
 .card { padding: 14px 16px; }
-.chart { width: 100%; height: auto; display: block; font-size: 12.5px; }
+.card.wide { overflow-x: auto; }
+.chart { width: 100%; min-width: 480px; max-width: 720px; height: auto; display: block;
+  font-size: 12.5px; }
 .chart text { fill: var(--soft); } .chart .label { fill: var(--ink); font-size: 13px; }
 .chart .grid { stroke: var(--rule); } .chart .axis { stroke: var(--soft); fill: none; }
 .chart .line { fill: none; stroke-width: 1.8; stroke-linejoin: round; }
@@ -63,7 +67,8 @@ td { font-variant-numeric: tabular-nums; }
 td + td { width: 28%; } thead td { font-weight: 600; }
 .card + .pictures, .pictures + .pictures { margin-top: 18px; }
 .note + .tables, .note + .pictures { margin-top: 10px; }
-table.grid th, table.grid td { width: auto; } table.grid td { overflow-wrap: normal; }
+table.grid th, table.grid td { width: auto; overflow-wrap: normal; }
+table.grid th { white-space: nowrap; }
 h3 { font-size: 14px; margin: 0 0 6px; font-weight: 650; }
 footer { margin-top: 48px; color: var(--soft); font-size: 13px; }
 )CSS";

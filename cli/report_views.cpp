@@ -106,7 +106,7 @@ std::string single_view(const RunResult& run) {
 
 std::string table_of_views(const RunResult& run) {
     std::string html =
-        "<div class=\"card\"><table class=\"grid\">\n<tr><th>view</th><th></th>"
+        "<div class=\"card wide\"><table class=\"grid\">\n<tr><th>view</th><th>use</th>"
         "<th>loss at the start</th><th>loss</th><th>PSNR</th><th>SSIM</th><th>exposure</th></tr>\n";
     const Evaluation& start = run.result.summary.start;
     const Evaluation& result = run.result.summary.result;

@@ -167,7 +167,8 @@ std::vector<std::pair<std::string, std::string>> settings_text(const CommandLine
         {"image", fmt::format("{} x {}", r.width, r.height)},
         {"texture", r.texture_side > 0 ? fmt::format("at most {} texels a side", r.texture_side)
                                        : "as in the scene"},
-        {"scenes", joined(s, [](const KnownTarget& t) { return t.source.name; })},
+        {"scenes",
+         s.empty() ? "none" : joined(s, [](const KnownTarget& t) { return t.source.name; })},
         {"samples per pixel of an iteration's image",
          r.image_window == 0
              ? fmt::format("{}, fresh", r.image_samples)
@@ -178,12 +179,12 @@ std::vector<std::pair<std::string, std::string>> settings_text(const CommandLine
         {"samples per pixel that evaluate a run", fmt::format("{}", r.evaluation_samples)},
         {"iterations before a derivative is evaluated", fmt::format("{}", r.iterations)},
         {"budget of an optimisation run",
-         fmt::format("{} iterations, {:g} s of derivatives and {:g} s{}", r.budget.iterations,
-                     r.budget.derivative_seconds, r.budget.seconds,
-                     has_long(r.budget)
-                         ? fmt::format("; {} iterations of mc and of pgris with replay",
-                                       r.budget.long_iterations)
-                         : "")},
+         fmt::format(
+             "{} iteration{}, {:g} s of derivatives and {:g} s{}", r.budget.iterations,
+             r.budget.iterations == 1 ? "" : "s", r.budget.derivative_seconds, r.budget.seconds,
+             has_long(r.budget) ? fmt::format("; {} iterations of mc and of pgris with replay",
+                                              r.budget.long_iterations)
+                                : "")},
         {"runs with seeds of their own behind an interval",
          r.runs == 1 ? interval_text(r.runs) : fmt::format("{}", r.runs)},
         {"seconds of a run over Adam's decay rates", fmt::format("{:g}", r.sweep_seconds)},

@@ -43,7 +43,7 @@ std::string plot_html(const Plot& plot) {
         chart.series.push_back(std::move(series));
     }
     if (plot.log_x) chart.x_tick_text = [](double x) { return fmt::format("{:g}", std::exp2(x)); };
-    return "<div class=\"card\">" + chart_svg(chart) + "</div>\n";
+    return "<div class=\"card wide\">" + chart_svg(chart) + "</div>\n";
 }
 
 std::string picture_html(const Picture& picture, float scale) {
@@ -103,7 +103,7 @@ Table overview(const Reproduction& run) {
 }
 
 constexpr const char* kStyle = R"CSS(
-.wide { overflow-x: auto; margin-top: 16px; }
+.card.wide { margin-top: 16px; } .charts .card.wide { margin-top: 0; }
 table.grid td:first-child { white-space: nowrap; } table.grid thead td { color: var(--soft); font-weight: 400; }
 h3.figure { font-size: 16px; margin: 30px 0 10px; }
 .verdict { margin-bottom: 16px; } .verdict b { font-size: 15px; }
@@ -141,13 +141,11 @@ std::string reproduction_html(const Reproduction& run) {
         duration_text(run.seconds));
     html += "<h2>At a glance</h2>\n" + table_html(overview(run));
     for (const ExperimentResult& e : run.experiments) {
-        html += fmt::format("<h2>{}<small>{}, {}</small></h2>\n", escape_html(e.title),
+        html += fmt::format("<h2>{} <small>{}, {}</small></h2>\n", escape_html(e.title),
                             escape_html(e.name), duration_text(e.seconds));
         for (const Figure& f : e.figures) html += figure_html(f);
     }
-    Table settings{{"setting", "value"}, {}};
-    for (const auto& [name, value] : run.settings) settings.rows.push_back({name, value});
-    html += "<h2>Settings</h2>\n" + table_html(settings);
+    html += "<h2>Settings</h2>\n" + table("", run.settings);
     return page_html("the paper, reproduced", kStyle, html);
 }
 

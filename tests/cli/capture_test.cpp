@@ -272,8 +272,9 @@ TEST_F(CaptureTest, ARunFitsItsViews) {
     const HtmlReader report(page);
     EXPECT_TRUE(report.errors.empty()) << report.errors[0];
     EXPECT_GE(report.count("img"), 3u * 3);
-    EXPECT_TRUE(contains(page, "<table class=\"grid\">\n<tr><th>view</th>"))
-        << "columns of the views' table are as wide as they need";
+    EXPECT_TRUE(contains(
+        page, "<div class=\"card wide\"><table class=\"grid\">\n<tr><th>view</th><th>use</th>"))
+        << "columns of the views' table are as wide as they need; it scrolls";
     EXPECT_TRUE(contains(page, "<th>loss at the start</th><th>loss</th>"));
     EXPECT_TRUE(
         contains(page, fmt::format("<th>aside</th><td>held out</td><td>{:.4g}</td>", at_start(2))));

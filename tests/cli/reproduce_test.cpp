@@ -41,6 +41,11 @@ TEST_F(Reproduce, TimesOfAnotherNumberOfThreadsAreMadeAgain) {
     const auto settings =
         nlohmann::json::parse(read_text(folder / "r/results.json")).at("settings");
     EXPECT_EQ(settings.at("threads"), "1");
+    EXPECT_EQ(settings.at("scenes"), "goblet");
+    EXPECT_TRUE(settings.at("budget of an optimisation run")
+                    .get<std::string>()
+                    .starts_with("1 iteration, "))
+        << settings;
     EXPECT_EQ(settings.at("processor"), machine_of(1).processor);
     const Outcome again = run(command + "1");
     EXPECT_TRUE(contains(again.err, "1 of 1 parts are kept")) << again.err;
@@ -118,6 +123,16 @@ TEST(ReproductionReport, CurvesKeepTheirStylesByTheirPlace) {
     EXPECT_FALSE(contains(page, ">two</text>")) << "nor a place in the legend";
 }
 
+TEST(ReproductionReport, WrapsTheNamesOfSettings) {
+    Reproduction run;
+    run.settings = {{"samples per pixel of the converged derivative", "512"}};
+    run.experiments.push_back({"adam", "Adam", {}, {}, 2});
+    const std::string page = reproduction_html(run);
+    EXPECT_TRUE(contains(page, "<tr><th>samples per pixel of the converged derivative</th>"))
+        << "headers of rows; first cells of measurements do not wrap";
+    EXPECT_TRUE(contains(page, "<h2>Adam <small>adam, 2.0 s</small></h2>"));
+}
+
 TEST_F(Reproduce, AtThePapersSizeThereIsOneRun) {
     const Outcome outcome = run("reproduce positivization -o r --full");
     ASSERT_EQ(outcome.code, 0) << outcome.err;
@@ -125,6 +140,7 @@ TEST_F(Reproduce, AtThePapersSizeThereIsOneRun) {
         nlohmann::json::parse(read_text(folder / "r/results.json")).at("settings");
     EXPECT_EQ(settings.at("runs with seeds of their own behind an interval"),
               "one run, no interval");
+    EXPECT_EQ(settings.at("scenes"), "none");
     EXPECT_TRUE(contains(run("reproduce --help").out, "no interval and no verdict"));
 }
 
