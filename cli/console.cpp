@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <cctype>
+#include <cmath>
 #include <cstdlib>
 #include <string_view>
 
@@ -127,6 +128,14 @@ std::string digits_text(double number) {
     constexpr double kMostDigits = 1e15;
     if (!(number >= 999.5 && number < kMostDigits)) return fmt::format("{:.3g}", number);
     return count_text(static_cast<std::size_t>(number + 0.5));
+}
+
+std::string significant_text(double number, int digits) {
+    if (number == 0 || !std::isfinite(number)) return fmt::format("{:g}", number);
+    const std::string scientific = fmt::format("{:.{}e}", number, digits - 1);
+    const int exponent = std::stoi(scientific.substr(scientific.find('e') + 1));
+    if (exponent < -4 || exponent >= digits) return scientific;
+    return fmt::format("{:.{}f}", number, digits - 1 - exponent);
 }
 
 std::string percent_text(double share) {

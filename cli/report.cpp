@@ -28,7 +28,9 @@ std::string tile(const std::string& label, const std::string& number, const std:
                        escape_html(label), escape_html(number), escape_html(more));
 }
 
-std::string change_text(double from, double to) { return fmt::format("{:.3g} → {:.3g}", from, to); }
+std::string change_text(double from, double to) {
+    return significant_text(from, 3) + " → " + significant_text(to, 3);
+}
 
 /// "12 times lower", or what happened instead.
 std::string ratio_text(double from, double to) {
@@ -57,11 +59,11 @@ std::string tiles(const RunResult& run) {
     const EvaluatedRun* other = run.compared ? &*run.compared : nullptr;
     std::string html = "<div class=\"tiles\">\n";
     const double start = loss_without_noise(s.start), loss = loss_without_noise(s.result);
-    html += tile(
-        "Loss of the image", change_text(start, loss),
-        other ? other_text(run, fmt::format("{:.3g}", loss_without_noise(other->summary.result)))
-        : is_too_noisy(s.result) ? "too noisy to tell: more --evaluation-spp"
-                                 : ratio_text(start, loss));
+    html +=
+        tile("Loss of the image", change_text(start, loss),
+             other ? other_text(run, significant_text(loss_without_noise(other->summary.result), 3))
+             : is_too_noisy(s.result) ? "too noisy to tell: more --evaluation-spp"
+                                      : ratio_text(start, loss));
     for (std::size_t i = 0; i < run.result.texture_errors.size(); ++i)
         html +=
             tile("Error of the texture (RMSE)",
@@ -72,7 +74,8 @@ std::string tiles(const RunResult& run) {
                             : ""));
     const double n = s.counts.iterations;
     html += tile("Iterations", std::to_string(s.counts.iterations),
-                 fmt::format("{} in all, {:.3g} s each", duration_text(s.seconds), s.seconds / n));
+                 fmt::format("{} in all, {:.3g} s each{}", duration_text(s.seconds), s.seconds / n,
+                             s.ending == Ending::kCancelled ? ", ended early by a signal" : ""));
     html += tile(
         "Estimator", name_of(run.result),
         std::visit([&](const auto& e) { return kept_text(run, e); }, run.result.options.estimator));
@@ -82,7 +85,7 @@ std::string tiles(const RunResult& run) {
 /// Of a constant.
 std::string value_section(const RunResult& run, std::size_t i) {
     const TargetTexture& t = run.textures[i];
-    std::string html = fmt::format("<h2>{}<small>one value</small></h2>\n<div class=\"tiles\">\n",
+    std::string html = fmt::format("<h2>{} <small>one value</small></h2>\n<div class=\"tiles\">\n",
                                    escape_html(t.name));
     html += tile("Result", values_text(run.result.summary.textures[i].values), "");
     html += tile("Start", values_text(t.initial), "");
@@ -93,9 +96,6 @@ std::string value_section(const RunResult& run, std::size_t i) {
     return html + "</div>\n";
 }
 
-std::string texture_section(const RunResult& run, std::size_t i) {
-    const TargetTexture& t = run.textures[i];
-    if (is_one_value(t.initial)) return value_section(run, i);
 std::string texture_heading(const TargetTexture& t) {
     return fmt::format("<h2>{} <small>{} × {} texels, {}, {}</small></h2>\n", escape_html(t.name),
                        t.initial.width, t.initial.height,
@@ -103,6 +103,9 @@ std::string texture_heading(const TargetTexture& t) {
                        t.raw ? "shown as they are" : "shown sRGB-coded");
 }
 
+std::string texture_section(const RunResult& run, std::size_t i) {
+    const TargetTexture& t = run.textures[i];
+    if (is_one_value(t.initial)) return value_section(run, i);
     const Image& after = run.result.summary.textures[i].values;
     const auto show = [&](const std::string& name, const std::string& more, const Image& texels) {
         return figure(name, more, shrink(texels, kTextureSide), !t.raw);
@@ -172,9 +175,12 @@ std::string chart_section(const RunResult& run) {
     for (const bool over_seconds : {false, true}) {
         Chart chart{over_seconds ? "seconds" : "iteration", "loss", {}};
         chart.series.push_back(loss_series(run.result, "first", over_seconds));
-        if (run.compared)
+        if (run.compared) {
             chart.series.push_back(loss_series(*run.compared, "second", over_seconds));
-        html += "<div class=\"card\">" + chart_svg(chart) + "</div>\n";
+            std::vector<ChartPoint>& marks = chart.series.back().marks;
+            marks.erase(marks.begin());  // the start, which both have
+        }
+        html += "<div class=\"card wide\">" + chart_svg(chart) + "</div>\n";
     }
     return html + fmt::format(
                       "</div>\n<p class=\"note\">Lines: the loss of each iteration's own image, "
@@ -215,7 +221,9 @@ TableRows number_rows(const RunResult& run, const EvaluatedRun& evaluated) {
                         count_text(t.evidence.visited.size())));
     }
     const RunCounts& counts = s.counts;
-    rows.emplace_back("paths shaded, kept ones in every iteration", count_text(counts.paths));
+    const bool keeps = std::holds_alternative<PathCache>(evaluated.options.estimator);
+    rows.emplace_back(keeps ? "paths shaded, kept ones in every iteration" : "paths shaded",
+                      count_text(counts.paths));
     if (counts.derivatives > 0) rows.emplace_back("derivatives", count_text(counts.derivatives));
     rows.emplace_back("not finite, left out",
                       fmt::format("{} derivatives, {} samples of the image",

@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "cli/chart.h"
+#include "cli/console.h"
 #include "cli/pictures.h"
 #include "cli/report_style.h"
 #include "core/version.h"
@@ -13,11 +14,11 @@ namespace burnish {
 
 namespace {
 
-std::string caption(const std::string& name, const std::string& more) {
 /// Pictures with no longer side are enlarged with their pixels as squares. What shrink() has
 /// averaged is no such picture: half of the most that it is asked for is more.
 constexpr int kSmall = 180;
 
+std::string caption(const std::string& name, const std::string& more) {
     return fmt::format("<figcaption><b>{}</b>{}</figcaption>", escape_html(name),
                        more.empty() ? "" : " &middot; " + escape_html(more));
 }
@@ -66,6 +67,6 @@ std::string table(const std::string& title, const TableRows& rows) {
     return html + "</table></div>\n";
 }
 
-std::string loss_text(double loss) { return fmt::format("loss {:.4g}", loss); }
+std::string loss_text(double loss) { return "loss " + significant_text(loss, 4); }
 
 }  // namespace burnish

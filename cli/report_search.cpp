@@ -44,11 +44,13 @@ std::string group_table(const RunResult& run, const SearchedGroup& group) {
     const std::vector<SearchedValues> shown = shown_values(group);
     TableRows rows;
     for (const SearchedValues& v : shown)
-        rows.emplace_back(tried_text(run, group, v),
-                          fmt::format("{} everywhere; {} regions start here", loss_text(v.loss),
-                                      count_text(v.regions)));
+        rows.emplace_back(
+            tried_text(run, group, v),
+            fmt::format("{} everywhere; {} region{} here", loss_text(v.loss), count_text(v.regions),
+                        v.regions == 1 ? " starts" : "s start"));
     if (const std::size_t tried = group.tried.size(); tried > shown.size())
-        rows.emplace_back(fmt::format("{} others of {}", tried - shown.size(), tried),
+        rows.emplace_back(fmt::format("{} other{} of {}", tried - shown.size(),
+                                      tried - shown.size() == 1 ? "" : "s", tried),
                           "not shown: summary.json has all");
     if (!group.guides.empty())
         rows.emplace_back("guided by", fmt::format("{}", fmt::join(group.guides, ", ")));
@@ -69,9 +71,9 @@ std::string search_section(const RunResult& run) {
     html += "</div>\n";
     for (const SearchedAgain& again : s.searched_again)
         html += fmt::format(
-            "<p class=\"note\">Searched again before iteration {}: {} texels took other "
+            "<p class=\"note\">Searched again before iteration {}: {} texel{} took other "
             "values.</p>\n",
-            again.iteration, count_text(again.texels));
+            again.iteration, count_text(again.texels), again.texels == 1 ? "" : "s");
     return html;
 }
 

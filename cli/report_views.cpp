@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "cli/chart.h"
+#include "cli/console.h"
 #include "cli/pictures.h"
 #include "cli/report_figures.h"
 #include "cli/view_pictures.h"
@@ -97,7 +98,7 @@ std::string single_view(const RunResult& run) {
     html += figure("Difference of the result", "", false_color(after, white), false);
     if (run.compared) {
         const ViewEvaluation& other = run.compared->summary.result.views[0];
-        html += figure(fmt::format("Difference with {}", name_of(*run.compared)),
+        html += figure(fmt::format("Difference of {}'s result", name_of(*run.compared)),
                        loss_text(loss_without_noise(other)),
                        false_color(difference(other, view), white), false);
     }
@@ -112,10 +113,11 @@ std::string table_of_views(const RunResult& run) {
     const Evaluation& result = run.result.summary.result;
     for (std::size_t i = 0; i < run.views.size(); ++i) {
         html += fmt::format(
-            "<tr><th>{}</th><td>{}</td><td>{:.4g}</td><td>{:.4g}</td><td>{}</td><td>{}</td>"
+            "<tr><th>{}</th><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td>"
             "<td>{}{}</td></tr>\n",
             escape_html(name_of(run.views[i], i)), run.views[i].held_out ? "held out" : "fitted",
-            loss_without_noise(start.views[i]), loss_without_noise(result.views[i]),
+            significant_text(loss_without_noise(start.views[i]), 4),
+            significant_text(loss_without_noise(result.views[i]), 4),
             decibels(result.views[i].psnr), similarity(run.similarities[i]),
             exposure_text(result.views[i].exposure),
             fits_exposure(run.views[i].exposure) ? " (fitted)" : "");
@@ -143,8 +145,8 @@ std::string row_of_view(const RunResult& run, std::size_t i, float white) {
     const View& view = run.views[i];
     const ViewPictures p = pictures_of(run, i, white, kSide);
     return "<div class=\"pictures three\">\n" +
-           figure(name_of(view, i), view.held_out ? "held out" : of_picture(run, i), p.picture,
-                  true) +
+           figure(name_of(view, i), (view.held_out ? "held out, " : "") + of_picture(run, i),
+                  p.picture, true) +
            figure("Render", quality_text(run, i), p.render, true) +
            figure("Difference", "", p.difference, false) + "</div>\n";
 }

@@ -62,6 +62,11 @@ std::string unvisited_text(const RunResult& run, std::size_t texture) {
     const RecoveredTexture& t = run.result.summary.textures[texture];
     if (t.unvisited == 0) return "";
     const std::size_t all = t.coverage.values.size();
+    if (t.unvisited == 1)
+        return fmt::format(
+            "No sample of any view came to 1 texel that surfaces read, of {} in all: {}.",
+            count_text(all),
+            t.filled ? "it is filled from those around it in its chart" : "it holds the start");
     return fmt::format(
         "No sample of any view came to {} texels that surfaces read, of {} in all: {}.",
         count_text(t.unvisited), count_text(all),

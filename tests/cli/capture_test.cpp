@@ -9,6 +9,7 @@
 
 #include "burnish/error.h"
 #include "burnish/renderer.h"
+#include "cli/console.h"
 #include "cli/html.h"
 #include "cli/program.h"
 
@@ -276,8 +277,9 @@ TEST_F(CaptureTest, ARunFitsItsViews) {
         page, "<div class=\"card wide\"><table class=\"grid\">\n<tr><th>view</th><th>use</th>"))
         << "columns of the views' table are as wide as they need; it scrolls";
     EXPECT_TRUE(contains(page, "<th>loss at the start</th><th>loss</th>"));
-    EXPECT_TRUE(
-        contains(page, fmt::format("<th>aside</th><td>held out</td><td>{:.4g}</td>", at_start(2))));
+    EXPECT_TRUE(contains(page, fmt::format("<th>aside</th><td>held out</td><td>{}</td>",
+                                           significant_text(at_start(2), 4))));
+    EXPECT_TRUE(contains(page, "<b>aside</b> &middot; held out, rendered<"));
     for (const auto& view : summary["views"])
         EXPECT_TRUE(
             contains(report.text, fmt::format("{:.1f} dB, SSIM {:.4f}", view["psnr"].get<double>(),

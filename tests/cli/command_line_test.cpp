@@ -857,6 +857,37 @@ TEST_F(CommandLine, SettingsRepeatTheRun) {
     }
 }
 
+TEST_F(CommandLine, TheReportSpeaksOfWhatItShows) {
+    write_scene();
+    ASSERT_EQ(run(std::string(kQuick) + "--iterations 2 --compare mc -o two").code, 0);
+    ASSERT_EQ(run(std::string(kQuick) + "--parameter roughness --iterations 2 --estimator mc " +
+                  "--set parameterization=texels -o plain")
+                  .code,
+              0);
+    const std::string two = read_text(folder / "two/report.html");
+    for (const char* text :
+         {"<div class=\"card wide\"><svg class=\"chart\"", "Difference of mc's result",
+          "<b>Start</b> &middot; error ", "result of mc and truth",
+          " <small>8 × 8 texels, RGB, shown sRGB-coded</small>",
+          "<img class=\"small\" alt=\"Truth\"", "coverage: share of the iterations; confidence: ",
+          ">paths shaded, kept ones in every ", ">paths shaded<"})
+        EXPECT_TRUE(contains(two, text)) << text;
+    const auto count = [&](const std::string& text) {
+        std::size_t found = 0;
+        for (std::size_t at = two.find(text); at != std::string::npos; at = two.find(text, at + 1))
+            ++found;
+        return found;
+    };
+    EXPECT_EQ(count("class=\"mark first\""), 4u) << "start and result, in two charts";
+    EXPECT_EQ(count("class=\"mark second\""), 2u) << "the start is that of the first";
+    const std::string plain = read_text(folder / "plain/report.html");
+    for (const char* text : {"one channel, shown as they are</small>", ">paths shaded<",
+                             "<span>coverage: share of the iterations</span>"})
+        EXPECT_TRUE(contains(plain, text)) << text;
+    EXPECT_FALSE(contains(plain, "confidence: ")) << "there is no such map";
+    EXPECT_FALSE(contains(plain, "kept ones"));
+}
+
 TEST_F(CommandLine, TheReportIsHtml) {
     write_scene();
     ASSERT_EQ(

@@ -43,6 +43,27 @@ TEST(ReportSearch, ShowsAllOfFewValuesAndNoneOfAColor) {
     const std::string html = search_section(run);
     EXPECT_TRUE(says(html, "<th>colour, 0.1<") && says(html, "<th>colour, 0.9<")) << html;
     EXPECT_FALSE(says(html, "others of"));
+    EXPECT_TRUE(says(html, "loss 2.000 everywhere; 3 regions start here")) << html;
+}
+
+TEST(ReportSearch, CountsInTheSingular) {
+    SearchedGroup group;
+    for (std::size_t k = 0; k < 13; ++k)
+        group.tried.push_back({{static_cast<float>(k) / 100, 0.75f}, 1, k == 0 ? 0u : 1u});
+    RunResult run = searched_run(group);
+    run.result.summary.searched_again = {{8, 1}};
+    const std::string html = search_section(run);
+    EXPECT_TRUE(says(html, "1 region starts here")) << html;
+    EXPECT_TRUE(says(html, "1 other of 13")) << html;
+    EXPECT_TRUE(says(html, "before iteration 8: 1 texel took other")) << html;
+
+    RecoveredTexture texture;
+    texture.coverage = make_image(2, 2, 1, 1.0f);
+    texture.unvisited = 1;
+    run.result.summary.textures = {texture};
+    EXPECT_EQ(unvisited_text(run, 0),
+              "No sample of any view came to 1 texel that surfaces read, of 4 in all: it holds the "
+              "start.");
 }
 
 }  // namespace

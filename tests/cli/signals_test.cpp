@@ -157,6 +157,8 @@ TEST_F(Signals, OneEndsTheIterationsAndKeepsTheResults) {
         for (const char* file : {"report.html", "render.exr", "target.exr",
                                  "textures/mat-panel.brdf_0.base_color.data.png"})
             EXPECT_TRUE(fs::exists(folder / out / file)) << file;
+        EXPECT_TRUE(
+            contains(read_text(folder / out / "report.html"), "s each, ended early by a signal<"));
         EXPECT_FALSE(fs::exists(lock_of(out)));
     }
 }

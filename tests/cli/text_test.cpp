@@ -3,17 +3,17 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cmath>
-#include <sstream>
 #include <regex>
+#include <sstream>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "cli/chart.h"
 #include "cli/console.h"
+#include "cli/help.h"
 #include "cli/pictures.h"
 #include "cli/progress.h"
-#include "cli/help.h"
 #include "optimize/option_value.h"
 
 namespace burnish {
@@ -50,6 +50,17 @@ TEST(Numbers, HaveNoExponents) {
     EXPECT_EQ(percent_text(0.00012), "0.012 %");
     EXPECT_EQ(percent_text(0.0996), "10 %");
     EXPECT_EQ(percent_text(1), "100 %");
+}
+
+TEST(Numbers, HaveTheirDigitsToTheLast) {
+    EXPECT_EQ(significant_text(0.058, 3), "0.0580");
+    EXPECT_EQ(significant_text(0.0454, 3), "0.0454");
+    EXPECT_EQ(significant_text(0.0013, 4), "0.001300");
+    EXPECT_EQ(significant_text(100, 3), "100");
+    EXPECT_EQ(significant_text(1.5, 4), "1.500");
+    EXPECT_EQ(significant_text(1e-7, 3), "1.00e-07");
+    EXPECT_EQ(significant_text(2e9, 1), "2e+09");
+    EXPECT_EQ(significant_text(0, 3), "0");
 }
 
 TEST(Chart, LinearTicksAreRound) {
