@@ -229,6 +229,7 @@ def drawing_of(curves):
         rate *= 10
     text((left + width - 100) / 2, height - 6, "nodes")
     text(left, 14, "views a second", "start")
+    text(width - 100, 14, "dashed: in proportion to the nodes", "end")
     for color, (batch, curve) in zip(("#1b6ca8", "#c0392b", "#27803b", "#8e44ad"), points.items()):
         ends = " ".join(",".join(at(n, r)) for n, r in curve)
         parts.append(f'<polyline points="{ends}" fill="none" stroke="{color}" stroke-width="2"/>')

@@ -22,8 +22,9 @@ def _scale(width: int) -> int:
 def _figure(name: str, image: npt.NDArray[np.float32], png: bytes | None = None) -> str:
     data = base64.b64encode(encode_png(image) if png is None else png).decode()
     width = image.shape[1] * _scale(image.shape[1])
-    return (f'<figure style="display:inline-block;margin:4px"><img width="{width}" style="image-rendering:pixelated" '
-            f'src="data:image/png;base64,{data}"><figcaption>{html.escape(name)}</figcaption></figure>')
+    return (f'<figure style="display:inline-block;margin:4px"><img alt="{html.escape(name)}" width="{width}" '
+            f'style="image-rendering:pixelated;max-width:100%" src="data:image/png;base64,{data}">'
+            f'<figcaption>{html.escape(name)}</figcaption></figure>')
 
 
 def _curve(losses: list[float]) -> str:

@@ -37,6 +37,7 @@ def test_images_show_themselves_side_by_side(target, tmp_path):
     gray = np.linspace(0, 1, 12, dtype=np.float32).reshape(3, 4)
     shown = burnish.show({"<picture>": target, "gray": gray})
     assert shown._repr_png_() is None and "&lt;picture&gt;" in shown._repr_html_()
+    assert 'alt="&lt;picture&gt;"' in shown._repr_html_() and "max-width:100%" in shown._repr_html_()
     picture, numbers = images_of(shown._repr_html_(), tmp_path)
     assert picture.shape == target.shape
     codes = np.round(255 * gray) / 255  # as they are: read_image takes them for sRGB
