@@ -30,8 +30,10 @@ struct CheckedMean {
 enum class Agreement {
     kAgree,
     kDisagree,
-    kTooNoisy,  ///< the standard error is more than a quarter of the derivative: neither is shown
-    kNothing,   ///< both are 0, without noise: the picture shows no light that the texture scatters
+    /// The standard error is more than a quarter of the derivative, or parts of blends were drawn
+    /// otherwise in less than kCheckDrawn batches: neither is shown.
+    kTooNoisy,
+    kNothing,  ///< both are 0, without noise: the picture shows no light that the texture scatters
 };
 
 /// One direction of one texture.
@@ -47,6 +49,9 @@ struct GradientCheck {
 /// kCheckBatches - 1 degrees of freedom), unless they differ by less than kCheckRounding of the
 /// larger one: images are floats, and where nothing is noisy the errors of both are rounding.
 inline constexpr double kCheckThreshold = 4.44, kCheckRounding = 1e-4;
+
+/// So many batches must see a weight of a blend, or an opacity, take effect.
+inline constexpr int kCheckDrawn = kCheckBatches / 2;
 
 /// Theta with all values moved to where both sides can be rendered.
 Theta within_steps(Theta theta);

@@ -134,6 +134,12 @@ bool turns_normals(const Scene& scene, TextureId texture) {
     });
 }
 
+bool weighs_parts(const Scene& scene, TextureId texture) {
+    return std::ranges::any_of(scene.materials, [&](const Material& m) {
+        return m.blend && m.blend->weight.texture == texture;
+    });
+}
+
 bool is_of_emitter(const Scene& scene, TextureId texture) {
     return std::ranges::any_of(scene.emitters,
                                [&](const Emitter& e) { return texture_of(e) == texture; });
@@ -151,12 +157,8 @@ bool draws_paths(const Scene& scene, TextureId texture) {
             if (texture_at(bsdf, place) == texture && is_sampled_by(bsdf, place)) return true;
         return false;
     };
-    const auto weighs = [&](const Material& m) {
-        return m.blend && m.blend->weight.texture == texture;
-    };
-    return std::ranges::any_of(scene.bsdfs, samples) ||
-           std::ranges::any_of(scene.materials, weighs) || turns_normals(scene, texture) ||
-           is_of_emitter(scene, texture);
+    return std::ranges::any_of(scene.bsdfs, samples) || weighs_parts(scene, texture) ||
+           turns_normals(scene, texture) || is_of_emitter(scene, texture);
 }
 
 std::vector<TextureId> textures_of(const Scene& scene, MaterialId material) {

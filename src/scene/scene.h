@@ -122,6 +122,8 @@ bool reads(const Scene& scene, BsdfId bsdf, TextureId texture);
 
 /// Whether a texture turns the normals of a material.
 bool turns_normals(const Scene& scene, TextureId texture);
+/// Whether a texture is the weight of a blend or the opacity of a mask: parts are drawn by it.
+bool weighs_parts(const Scene& scene, TextureId texture);
 /// Whether an emitter reads a texture.
 bool is_of_emitter(const Scene& scene, TextureId texture);
 /// The mean_magnitude of a texture, or 1 without one: by it a textured emitter is as bright on

@@ -4,6 +4,9 @@
 #include <nlohmann/json.hpp>
 
 #include "cli/program.h"
+#include "gradient/check_gradient.h"
+#include "mitsuba/load.h"
+#include "scene/constants.h"
 
 namespace burnish {
 namespace {
@@ -96,6 +99,29 @@ TEST_F(BlendsTest, ATextureOfOpacityIsRecovered) {
                   .code,
               0);
     EXPECT_EQ(read_image((folder / "g.exr").string()).width, 8);
+}
+
+/// A difference is rounding unless a sample of the pixel takes the other part within the steps.
+TEST_F(BlendsTest, FewSamplesOfABlendTellNothingOfItsDerivative) {
+    write_text(folder / "drawn.xml", R"(<scene version="3.0.0">
+  <integrator type="direct"/>
+  <sensor type="perspective"><film type="hdrfilm"><integer name="width" value="1"/>
+      <integer name="height" value="1"/></film>
+    <transform name="to_world"><lookat origin="0,0,3" target="0,0,0" up="0,1,0"/></transform></sensor>
+  <emitter type="constant"/>
+  <shape type="rectangle"><transform name="to_world"><scale value="9"/></transform>
+    <bsdf type="blendbsdf" id="mix"><float name="weight" value="0.5"/>
+      <bsdf type="diffuse"><rgb name="reflectance" value="0.9"/></bsdf>
+      <bsdf type="diffuse"><rgb name="reflectance" value="0.1"/></bsdf></bsdf></shape></scene>)");
+    LoadedScene loaded = load_scene(folder / "drawn.xml");
+    const Parameter weight = loaded.scene.parameters[require_parameter(loaded.scene, "mix.weight")];
+    const Theta theta{{{weight.texture, make_image(1, 1, 1, 0.5f)}}};
+    const TracedScene view = prepare(loaded.scene);
+    for (const std::uint32_t samples : {32u, 128u})
+        for (std::uint32_t seed = 1; seed <= 40; ++seed)
+            for (const auto& c : check_gradient({.samples = samples, .seed = seed}, view, theta))
+                EXPECT_EQ(c.agreement, Agreement::kTooNoisy)
+                    << samples << " samples, seed " << seed << ": t " << c.t;
 }
 
 TEST_F(BlendsTest, TooManyBlendsAreRefused) {
