@@ -33,8 +33,17 @@ std::vector<std::string> texts_of(const Json& value, const std::string& where) {
     return texts;
 }
 
+/// An array is a list, or a pair; of other options it would lose all but its last value.
+void check_count(const Setting& setting, std::size_t count) {
+    const std::size_t expected = setting.is_pair ? 2 : 1;
+    if (!setting.is_list && count != expected)
+        throw InputError(fmt::format("{}: expected {}, found {}", setting.info.name,
+                                     setting.is_pair ? "two values" : "one value", count));
+}
+
 void check_values(const Given& g, const std::string& file) {
     try {
+        check_count(find_setting(g.names.front()), g.values.size());
         for (const std::string& value : g.values)
             if (const std::string wrong = complaint(g.names.front(), value); !wrong.empty())
                 throw InputError(g.names.front() + ": " + wrong);

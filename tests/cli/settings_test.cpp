@@ -265,6 +265,10 @@ TEST_F(OptionsFile, BadFilesAreNamed) {
         {R"({"path_cache": {"windw": 8}})", "no option 'path_cache.windw', did you mean"},
         {R"({"path_cache.window": 0})", "expected a whole number from 1 to 1048576, found '0'"},
         {R"({"loss": null})", "found null"},
+        {R"({"seed": [1, 2]})", "seed: expected one value, found 2"},
+        {R"({"estimator": ["mc", "gris"]})", "estimator: expected one value, found 2"},
+        {R"({"scene.size": 8})", "scene.size: expected two values, found 1"},
+        {R"({"scene.size": [8, 8, 8]})", "scene.size: expected two values, found 3"},
         {R"({"reservoirs.shift": "identity"})", "reservoirs.shift has no effect: it needs"},
     };
     for (const auto& [text, message] : kBad) {
