@@ -91,8 +91,7 @@ void add_flag(CLI::App& command, const Flag& flag, OptimizeArguments& arguments)
             ->default_str(default_of(flag))
             ->check(CLI::Validator(
                 [names = flag.names, is_needed = !*flag.first.alone](const std::string& text) {
-                    return is_needed && text.empty() ? complaint_of_empty(text)
-                                                     : complaint_of(names, text);
+                    return text.empty() && !is_needed ? "" : complaint_of(names, text);
                 },
                 ""));
         if (!flag.first.is_list) option->expected(flag.first.is_pair ? 2 : 1);

@@ -4,6 +4,7 @@
 
 #include "burnish/error.h"
 #include "captures/capture.h"
+#include "cli/option_text.h"
 #include "core/positive_float.h"
 #include "scene/parameter_names.h"
 
@@ -188,9 +189,11 @@ const Setting& find_setting(const std::string& name) {
 }
 
 std::string complaint(const std::string& name, const std::string& text) {
-    if (const OptionRow* row = find_option(name)) return complaint(*row, text);
+    const OptionRow* option = find_option(name);
     const RunRow* row = find_run_row(name);
-    if (!row) fail_for_name(name);
+    if (!option && !row) fail_for_name(name);
+    if (text.empty()) return complaint_of_empty(text);
+    if (option) return complaint(*option, text);
     return with_type(*row, [&](auto value) {
         typename ElementOf<decltype(value)>::Type element{};
         return from_text(row->info, text, element);

@@ -265,6 +265,8 @@ TEST_F(OptionsFile, BadFilesAreNamed) {
         {R"({"path_cache": {"windw": 8}})", "no option 'path_cache.windw', did you mean"},
         {R"({"path_cache.window": 0})", "expected a whole number from 1 to 1048576, found '0'"},
         {R"({"loss": null})", "found null"},
+        {R"({"problem": {"mask": ""}})", "problem.mask: found an empty text, expected a value"},
+        {R"({"problem.target": [""]})", "problem.target: found an empty text"},
         {R"({"seed": [1, 2]})", "seed: expected one value, found 2"},
         {R"({"estimator": ["mc", "gris"]})", "estimator: expected one value, found 2"},
         {R"({"scene.size": 8})", "scene.size: expected two values, found 1"},
@@ -291,6 +293,16 @@ std::string usage_error(const std::vector<std::string>& arguments) {
         return error.what();
     }
     return "";
+}
+
+TEST(Settings, AnEmptyTextIsNoValue) {
+    for (const Setting& s : all_settings()) {
+        const std::string name = s.info.name;
+        EXPECT_EQ(usage_error({"--set", name + "="}),
+                  "--set " + name + ": found an empty text, expected a value");
+    }
+    EXPECT_EQ(parse({"--set", "problem.mask=none"}).run.mask, "");
+    EXPECT_EQ(parse({"--live", "--seed", "1"}).run.live, "127.0.0.1:14158");
 }
 
 TEST(Settings, ALearningRateNeedsAParameterWithoutOne) {
