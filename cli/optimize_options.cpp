@@ -159,6 +159,25 @@ void add_sets(const std::vector<std::string>& sets, std::vector<Given>& given) {
     given.insert(given.end(), parsed.begin(), parsed.end());
 }
 
+/// Whether a flag says the same as --set NAME. One that estimators share may leave the option of
+/// one of them to --set, where that of another has an effect.
+bool gives(const Given& flag, const std::string& name, const Settings& settings) {
+    if (std::ranges::count(flag.names, name) == 0) return false;
+    Given others = flag;
+    std::erase(others.names, name);
+    return others.names.empty() || !missing_for(others, settings).empty();
+}
+
+/// line: flags, the scene and --set.
+void require_once(const std::vector<Given>& line, const Settings& settings) {
+    const auto is_set = [](const Given& g) { return g.label.starts_with("--set "); };
+    for (const Given& set : line)
+        for (const Given& flag : line)
+            if (is_set(set) && !is_set(flag) && gives(flag, set.names.front(), settings))
+                throw UsageError(
+                    fmt::format("{} and {} give one option twice", flag.label, set.label));
+}
+
 /// Of a run that goes on.
 bool may_be_given(const std::string& name) {
     return may_change(name) || name == "run.threads" || name == "run.max_memory" ||
@@ -258,6 +277,7 @@ Settings make_settings(const OptimizeArguments& arguments) {
         given.insert(given.begin(), std::begin(kDemo), std::end(kDemo));
     }
     Settings settings = assemble(given);
+    require_once(from_line, settings);
     check_run(settings);
     check_effects(from_file, from_line, settings);
     if (settings.run.starts.empty()) settings.run.starts = {"search"};
@@ -287,6 +307,7 @@ Settings resumed_settings(const std::string& folder, const std::string& recorded
     std::vector<Given> given = read_options_text(recorded, "the checkpoint");
     given.insert(given.end(), changes.begin(), changes.end());
     Settings settings = assemble(given);
+    require_once(changes, settings);
     settings.run.output = folder;
     if (!settings.run.live.empty()) check_address(settings.run.live);
     return settings;

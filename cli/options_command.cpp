@@ -20,8 +20,10 @@ This page is printed by `burnish options --markdown`.
 
 Every option has a dotted name. `--set NAME=VALUE` sets it, `--options FILE.json` reads several from a file
 (`{"path_cache": {"window": 8}, "stop.iterations": 100}`), and options that are used most have a flag of their own.
-Later settings win: defaults, then the file, then the command line. A `summary.json` can be given as the file: it holds
-the settings that repeat its run to the byte. An option that the others rule out is an error.
+Later settings win: defaults, then the file, then the command line; of two `--set` of one option the later, but those of
+an option that is repeatable are taken together, in the place of the file's. A flag and `--set` of one option are an
+error, and so is an option that the others rule out. A `summary.json` can be given as the file: it holds the settings
+that repeat its run to the byte.
 
 In C++, `burnish::Options` has the fields of the same names; the `scene`, `problem` and `run` groups belong to the
 command line.

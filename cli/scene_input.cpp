@@ -85,11 +85,15 @@ void add_texture_option(CLI::App& app, std::vector<std::string>& textures) {
 }
 
 void replace_textures(Scene& scene, const std::vector<std::string>& assignments) {
+    std::vector<TextureId> replaced;
     for (const std::string& assignment : assignments) {
         const auto [name, value] = split_assignment("--texture", assignment);
         if (value.empty())
             throw UsageError("--texture: " + name + ": " + complaint_of_empty(value));
         const Parameter p = scene.parameters[require_parameter(scene, name)];
+        if (std::ranges::count(replaced, p.texture) > 0)
+            throw UsageError(fmt::format("--texture: '{}' is given twice", name));
+        replaced.push_back(p.texture);
         auto& bitmap = std::get<Bitmap>(scene[p.texture]);
         const Image texels = read_texels(bitmap, value, "the texture for " + p.name);
         const float most = largest_value(scene, p.texture);

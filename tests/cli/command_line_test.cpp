@@ -234,6 +234,14 @@ TEST_F(CommandLine, ATargetFunctionNeedsReservoirs) {
     EXPECT_EQ(run(command + " --estimator ris --spp 2").code, 0);
 }
 
+TEST_F(CommandLine, ATextureIsReplacedOnce) {
+    write_scene();
+    for (const char* other : {"roughness", "mat-panel.brdf_0.roughness.data"})
+        expect_refused("render scene.xml --spp 1 -o a.exr --texture roughness=0.5 --texture " +
+                           std::string(other) + "=0.7",
+                       2, "--texture: '" + std::string(other) + "' is given twice");
+}
+
 TEST_F(CommandLine, CheckGradientSaysWhetherDerivativesAgree) {
     write_scene();
     const Outcome agreed =

@@ -295,6 +295,21 @@ std::string usage_error(const std::vector<std::string>& arguments) {
     return "";
 }
 
+TEST(Settings, AFlagAndSetDoNotGiveOneOption) {
+    EXPECT_EQ(usage_error({"--seed", "2", "--set", "seed=1"}),
+              "--seed and --set seed give one option twice");
+    EXPECT_EQ(usage_error({"--set", "scene.file=other.xml"}),
+              "the scene and --set scene.file give one option twice");
+    EXPECT_EQ(usage_error({"--set", "problem.parameters=b"}),
+              "--parameter and --set problem.parameters give one option twice");
+    const std::vector<std::string> both{"--spp", "2", "--set", "path_cache.samples=3"};
+    EXPECT_EQ(usage_error(both), "--spp and --set path_cache.samples give one option twice");
+    const Settings compared = parse(with(both, {"--compare", "mc"}));
+    EXPECT_EQ(std::get<PathCache>(compared.options.estimator).samples, 3u);
+    EXPECT_EQ(std::get<MonteCarlo>(compared.compared->estimator).image_samples, 2u);
+    EXPECT_EQ(parse({"--set", "seed=1", "--set", "seed=2"}).options.seed, 2u);
+}
+
 TEST(Settings, AnEmptyTextIsNoValue) {
     for (const Setting& s : all_settings()) {
         const std::string name = s.info.name;
