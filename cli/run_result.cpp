@@ -47,6 +47,7 @@ Settings repeatable_settings(const RunResult& run) {
     Settings settings = run.settings;
     settings.options.stop.iterations = run.result.summary.counts.iterations;
     settings.options.stop.seconds = Stop{}.seconds;
+    if (run.goes_on) settings.options.stop.patience = Stop{}.patience;
     settings.options.evaluation_samples = run.result.summary.result.samples_per_pixel;
     if (!run.result.summary.searched.empty())
         settings.options.search_effort = run.result.summary.search_effort;

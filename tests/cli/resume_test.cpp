@@ -259,9 +259,15 @@ TEST_F(Resume, OnlyWhatDecidesOnNoByteMayChange) {
     }
     EXPECT_EQ(run("optimize --resume nothing").code, 65);
     EXPECT_FALSE(fs::exists(folder / "nothing"));
-    const Outcome longer = run("optimize --resume out --iterations 310 --evaluation-spp 4");
+    const Outcome longer =
+        run("optimize --resume out --iterations 310 --evaluation-spp 4 --patience 60");
     EXPECT_EQ(longer.code, 0) << longer.err;
-    EXPECT_EQ(summary_of("out")["result"]["iterations"], 310);
+    const auto summary = summary_of("out");
+    EXPECT_EQ(summary["result"]["iterations"], 310);
+    // Patience that the run had from a later iteration on would end its repetition elsewhere.
+    EXPECT_EQ(summary["settings"]["stop"]["patience"], "none");
+    EXPECT_EQ(summary["settings"]["stop"]["iterations"], 310);
+    EXPECT_EQ(summary["asked"]["stop"]["patience"], 60);
 }
 
 TEST_F(Resume, ASecondRunGoesOn) {
