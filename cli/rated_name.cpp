@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-#include "burnish/error.h"
+#include "cli/commands.h"
 #include "optimize/option_value.h"
 #include "scene/parameter_names.h"
 
@@ -22,7 +22,7 @@ RatedName split_rate(const std::vector<Parameter>& parameters, const std::string
     if (at == std::string::npos || whole) return {text, 0};
     const std::optional<double> rate = parse_number(text.substr(at + 1));
     if (!rate || !(*rate > 0))
-        throw InputError(fmt::format(
+        throw UsageError(fmt::format(
             "the learning rate of parameter '{}' is '{}', expected a positive number after the @",
             text.substr(0, at), text.substr(at + 1)));
     return {text.substr(0, at), *rate};

@@ -1,6 +1,7 @@
 #include "cli/run_views.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 
@@ -99,6 +100,20 @@ std::vector<CapturedView> named_views(const RunSettings& run,
     return {{{}, run.targets.empty() ? "" : run.targets.front(), run.mask}};
 }
 
+[[noreturn]] void refuse_held_out(const std::string& name, const std::vector<CapturedView>& views) {
+    constexpr std::size_t kMost = 20;
+    std::vector<std::string> names;
+    for (const CapturedView& v : views)
+        if (!v.view.name.empty()) names.push_back(v.view.name);
+    const char* expected = names.empty() ? "they have no names" : "expected one of ";
+    if (names.size() > kMost) {
+        names[kMost] = fmt::format("and {} more", names.size() - kMost);
+        names.resize(kMost + 1);
+    }
+    throw InputError(fmt::format("--hold-out: no view is named \"{}\": {}{}", name, expected,
+                                 fmt::join(names, ", ")));
+}
+
 }  // namespace
 
 std::vector<CapturedView> views_of(const RunSettings& run, const std::optional<Capture>& capture) {
@@ -108,9 +123,7 @@ std::vector<CapturedView> views_of(const RunSettings& run, const std::optional<C
     for (const std::string& name : run.held_out) {
         const auto found = std::find_if(views.begin(), views.end(),
                                         [&](const CapturedView& v) { return v.view.name == name; });
-        if (found == views.end())
-            throw InputError("--hold-out: no view is named \"" + name +
-                             "\": burnish info lists them");
+        if (found == views.end()) refuse_held_out(name, views);
         found->view.held_out = true;
     }
     return views;

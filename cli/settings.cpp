@@ -4,6 +4,7 @@
 
 #include "burnish/error.h"
 #include "captures/capture.h"
+#include "cli/commands.h"
 #include "cli/option_text.h"
 #include "core/positive_float.h"
 #include "scene/parameter_names.h"
@@ -104,8 +105,11 @@ Options options_of(const std::vector<Given>& given, const Estimator& estimator) 
     for (const Given& g : given)
         for (const std::string& name : g.names)
             if (const OptionRow* row = find_option(name);
-                row && name != "estimator" && is_held(*row, options))
+                row && name != "estimator" && is_held(*row, options)) {
+                if (const std::string wrong = complaint(*row, g.values.back()); !wrong.empty())
+                    throw UsageError(g.label + ": " + wrong);
                 set_option(*row, g.values.back(), options);
+            }
     return options;
 }
 

@@ -96,7 +96,8 @@ struct Settings {
     Options options;
     std::optional<Options> compared;  ///< of the second run, where there is one
 };
-/// Puts together what was given, later over earlier. Values must have been checked.
+/// Puts together what was given, later over earlier. Values must have been checked. Throws
+/// UsageError: that of a flag fits another estimator alone.
 Settings assemble(const std::vector<Given>& given);
 /// What the option needs to have an effect; empty where it has one.
 std::string missing_for(const Given& given, const Settings& settings);

@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "burnish/error.h"
+#include "cli/commands.h"
 #include "cli/console.h"
 #include "cli/rated_name.h"
 #include "cli/texture_files.h"
@@ -54,6 +55,10 @@ TargetTexture make_target_texture(const RunSettings& run, std::size_t i, bool re
     t.texture = p.texture;
     t.raw = bitmap.raw;
     t.own_rate = rated.learning_rate;
+    if (t.own_rate > 0 && run.learning_rates.size() > 1)
+        throw UsageError(fmt::format(
+            "--learning-rate: one for each parameter, but {} has its own: expected one of the two",
+            run.parameters[i]));
     if (t.own_rate == 0 && !run.learning_rates.empty())
         t.own_rate = one_or_each(run.learning_rates, i);
     const std::string& start = one_or_each(run.starts, i);

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "burnish/error.h"
+#include "cli/commands.h"
 
 namespace burnish {
 namespace {
@@ -17,7 +17,7 @@ TEST(RatedName, RatesFollowTheLastAt) {
     EXPECT_EQ(split_rate(odd, "mat@2.roughness").name, "mat@2.roughness");
     EXPECT_EQ(split_rate(odd, "mat@2.roughness@3").learning_rate, 3);
     for (const char* bad : {"roughness@", "roughness@-1", "roughness@0", "roughness@fast"})
-        EXPECT_THROW(split_rate(parameters, bad), InputError) << bad;
+        EXPECT_THROW(split_rate(parameters, bad), UsageError) << bad;
 }
 
 }  // namespace

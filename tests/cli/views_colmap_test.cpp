@@ -223,7 +223,8 @@ TEST_F(Colmap, ARunFitsItsViews) {
         {"--images photos --sensor 0", "--sensor: --views names"},
         {"--images photos --mask a.png", "burnish: --mask: one for all of --views"},
         {"--images absent", "absent/a.exr"},
-        {"--images photos --hold-out c.exr", "--hold-out: no view is named \"c.exr\""},
+        {"--images photos --hold-out c.exr",
+         "--hold-out: no view is named \"c.exr\": expected one of a.exr, b.exr"},
         {"--images photos --hold-out a.exr --hold-out b.exr", "no view to fit"},
     };
     for (const auto& [options, message] : kBad) {

@@ -103,7 +103,7 @@ PathCachePlan within(PathCachePlan plan, std::size_t max_bytes) {
     if (fitting == 0)
         throw ResourceError("a path cache with one pass in each half takes up to " +
                             std::to_string(2 * plan.bytes_per_pass) +
-                            " bytes: expected a memory limit above it, found " +
+                            " bytes: expected path_cache.max_bytes of at least that, found " +
                             std::to_string(max_bytes));
     plan.window = static_cast<std::uint32_t>(std::min<std::size_t>(plan.window, fitting));
     return plan;
