@@ -48,6 +48,8 @@ NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Measurement, experiment, scene, variant, metr
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Figure, title, claim, measured, why, verdict, tables, plots,
                                    pictures)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(ExperimentResult, name, title, figures, measurements, seconds)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(DerivativeError, paper, nmse, median_relative)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(EstimateNumbers, seconds, error)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(DerivativeReference, gradient, squared_error, nmse)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Moment, iteration, seconds, derivative_seconds, loss,
                                    noise_floor, texture_error, step_length, image, texture)

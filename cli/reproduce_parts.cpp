@@ -178,25 +178,56 @@ double seconds_of(const InverseRuns& runs) {
     return seconds;
 }
 
+/// Ends a part before the next of its estimates.
+struct StoppedBetweenEstimates {};
+
+/// Keeps the estimates of a part until all of it is. took: the seconds of those that earlier runs
+/// have made are added.
+GetNumbers keep_numbers(const KeptResults& kept, double& took) {
+    return [&](const std::string& name, const std::function<EstimateNumbers()>& make) {
+        if (const auto found = find_kept(kept, "estimate", name)) {
+            took += found->at(1).get<double>();
+            return found->at(0).get<EstimateNumbers>();
+        }
+        if (interrupted()) throw StoppedBetweenEstimates{};
+        const Stopwatch watch;
+        const EstimateNumbers numbers = make();
+        keep(kept, "estimate", name, {numbers, watch.total()});
+        return numbers;
+    };
+}
+
 /// Sets the part's result, unless a signal came before it could be made.
 void run_part(const ReproduceOptions& options, const Machine& machine, const KeptResults& kept,
               TargetScenes scene, const std::vector<Part>& parts, Part& part) {
     NoteLine line(title_of(part, parts));
-    const WorkNote note = note_on(line);
+    WorkNote note = note_on(line);
     const Experiment& e = *part.experiment;
+    const nlohmann::json made = made_of(part, options, machine);
+    const KeptResults unfinished{kept_path(kept, name_of(part) + "-unfinished", made),
+                                 kept.program};
+    double earlier_seconds = 0;
+    note.numbers = keep_numbers(unfinished, earlier_seconds);
     if (e.needs == Needs::kRuns &&
         !prepare_runs(*part.target, options, machine, kept, note, scene[0]))
         return;
     const Stopwatch watch;
     if (e.needs == Needs::kStudy) prepare_study(*part.target, options, kept, note, scene[0]);
-    ExperimentResult result = e.run(scene, options, note);
+    ExperimentResult result;
+    try {
+        result = e.run(scene, options, note);
+    } catch (const StoppedBetweenEstimates&) {
+        set_kept(kept);
+        return;
+    }
     result.title = e.title;
-    result.seconds = watch.total();
+    result.seconds = earlier_seconds + watch.total();
     if (e.needs == Needs::kRuns) result.seconds += seconds_of(*scene[0].runs);
     for (Figure& f : result.figures)
         for (auto& row : f.pictures)
             for (Picture& p : row) p.image = shrink(p.image, kPictureSide);
-    keep(kept, name_of(part), made_of(part, options, machine), result);
+    keep(kept, name_of(part), made, result);
+    std::filesystem::remove_all(unfinished.folder);
     set_kept(kept);
     part.result = std::move(result);
 }

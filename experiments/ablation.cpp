@@ -18,8 +18,7 @@ constexpr const char* kSampling = "adaptive sampling";
 struct Row {
     std::string group, name;
     Estimator estimator;
-    DerivativeEstimate estimate;
-    DerivativeError error;
+    EstimateNumbers numbers;
 };
 
 /// The order of the first rows.
@@ -37,11 +36,15 @@ struct Rows {
 /// Adds the row of an estimator; traced: the scene, or the same with other lights chosen.
 void run(Rows& to, const TracedScene& traced, const std::string& group, const std::string& name,
          const Estimator& estimator, std::uint32_t seed) {
-    to.note(to.scene.source.name + ": " + name);
-    DerivativeEstimate estimate =
-        estimate_along(traced, to.trajectory, estimator, seed, to.note.share);
-    const DerivativeError error = derivative_error(estimate.gradient, to.reference);
-    to.rows.push_back({group, name, estimator, std::move(estimate), error});
+    const auto make = [&] {
+        to.note(to.scene.source.name + ": " + name);
+        const DerivativeEstimate estimate =
+            estimate_along(traced, to.trajectory, estimator, seed, to.note.share);
+        return EstimateNumbers{estimate.seconds, derivative_error(estimate.gradient, to.reference)};
+    };
+    const std::string whole_name = fmt::format("{}: {}, seed {}", group, name, seed);
+    to.rows.push_back(
+        {group, name, estimator, to.note.numbers ? to.note.numbers(whole_name, make) : make()});
 }
 
 /// The paper's estimator with one thing changed.
@@ -88,8 +91,9 @@ struct PartRatios {
 PartRatios run_again(const Rows& first, const ReproduceOptions& options, ExperimentResult& result) {
     PartRatios ratios;
     const auto add = [&](const Row& pris, const Row& gris, const Row& pgris) {
-        ratios.reuse.push_back(positive_ratio(pgris.error.nmse, pris.error.nmse));
-        ratios.positivization.push_back(positive_ratio(pgris.error.nmse, gris.error.nmse));
+        ratios.reuse.push_back(positive_ratio(pgris.numbers.error.nmse, pris.numbers.error.nmse));
+        ratios.positivization.push_back(
+            positive_ratio(pgris.numbers.error.nmse, gris.numbers.error.nmse));
     };
     add(first.rows[kPrisRow], first.rows[kGrisRow], first.rows[kPgrisRow]);
     for (std::uint32_t k = 1; k < options.runs; ++k) {
@@ -100,8 +104,7 @@ PartRatios run_again(const Rows& first, const ReproduceOptions& options, Experim
                 row.estimator, estimate_seed(options, k));
         }
         add(again.rows[0], again.rows[1], again.rows[2]);
-        for (const Row& r : again.rows)
-            measure(result, first.scene.source.name, r.name, r.estimate, r.error);
+        for (const Row& r : again.rows) measure(result, first.scene.source.name, r.name, r.numbers);
     }
     return ratios;
 }
@@ -174,10 +177,10 @@ Table table_of(const std::vector<Row>& rows) {
     Table table{
         {"what", "variant", "paper's error", "NMSE", "median relative error", "derivative, s"}, {}};
     for (const Row& r : rows)
-        table.rows.push_back({r.group, r.name, fmt::format("{:.3g}", r.error.paper),
-                              nmse_text(r.error.nmse),
-                              fmt::format("{:.3g}", r.error.median_relative),
-                              fmt::format("{:.4f}", r.estimate.seconds)});
+        table.rows.push_back({r.group, r.name, fmt::format("{:.3g}", r.numbers.error.paper),
+                              nmse_text(r.numbers.error.nmse),
+                              fmt::format("{:.3g}", r.numbers.error.median_relative),
+                              fmt::format("{:.4f}", r.numbers.seconds)});
     return table;
 }
 
@@ -187,7 +190,7 @@ Plot cap_plot(const std::vector<Row>& rows) {
     for (const Row& r : rows)
         for (const std::size_t k : {0u, 1u})
             if (r.group == (k == 0 ? "M_cap" : "M_cap, defensive")) {
-                plot.curves[k].points.push_back({cap[k], r.error.nmse});
+                plot.curves[k].points.push_back({cap[k], r.numbers.error.nmse});
                 cap[k] *= cap[k] == 1 ? 4 : 2;
             }
     return plot;
@@ -197,11 +200,11 @@ Plot cap_plot(const std::vector<Row>& rows) {
 std::string caches_text(const std::vector<Row>& rows) {
     const auto is_cache = [](const Row& r) { return r.group == kCacheGroup; };
     const auto first = std::find_if(rows.begin(), rows.end(), is_cache);
-    std::string text = fmt::format("{} {}", first->name, nmse_text(first->error.nmse));
+    std::string text = fmt::format("{} {}", first->name, nmse_text(first->numbers.error.nmse));
     for (auto r = first + 1; r != rows.end() && is_cache(*r); ++r)
         text += fmt::format(", {} {} times that in {:.2f} times the seconds", r->name,
-                            positive_ratio_text(r->error.nmse, first->error.nmse),
-                            r->estimate.seconds / first->estimate.seconds);
+                            positive_ratio_text(r->numbers.error.nmse, first->numbers.error.nmse),
+                            r->numbers.seconds / first->numbers.seconds);
     return text;
 }
 
@@ -210,9 +213,10 @@ std::string sampling_text(const std::vector<Row>& rows) {
     const auto first =
         std::find_if(rows.begin(), rows.end(), [](const Row& r) { return r.group == kSampling; });
     const auto text = [](const char* name, const Row& adaptive, const Row& uniform) {
-        return fmt::format("{} {} times the NMSE in {:.2f} times the seconds", name,
-                           positive_ratio_text(adaptive.error.nmse, uniform.error.nmse),
-                           adaptive.estimate.seconds / uniform.estimate.seconds);
+        return fmt::format(
+            "{} {} times the NMSE in {:.2f} times the seconds", name,
+            positive_ratio_text(adaptive.numbers.error.nmse, uniform.numbers.error.nmse),
+            adaptive.numbers.seconds / uniform.numbers.seconds);
     };
     return fmt::format("With adaptive sampling, {}, {}.", text("mc", first[0], rows[kMcRow]),
                        text("pgris", first[1], rows[kPgrisRow]));
@@ -258,7 +262,7 @@ void measure(ExperimentResult& result, const std::string& scene, const Parameter
 }
 
 Figure figure_of(const TargetScene& scene, const std::vector<Row>& rows, const PartRatios& runs) {
-    const auto nmse = [&](std::size_t i) { return nmse_text(rows[i].error.nmse); };
+    const auto nmse = [&](std::size_t i) { return nmse_text(rows[i].numbers.error.nmse); };
     const RatioInterval reuse = ratio_interval(runs.reuse),
                         positivization = ratio_interval(runs.positivization);
     Figure f;
@@ -312,8 +316,7 @@ ExperimentResult run_ablation(TargetScenes scenes, const ReproduceOptions& optio
         run_caps(rows, options);
         run_caches(rows, options);
         for (Row& r : run_rates(scene, options, note)) rows.rows.push_back(std::move(r));
-        for (const Row& r : rows.rows)
-            measure(result, scene.source.name, r.name, r.estimate, r.error);
+        for (const Row& r : rows.rows) measure(result, scene.source.name, r.name, r.numbers);
         const ParameterizationStudy shared = study_parameterizations(scene, options, note);
         measure(result, scene.source.name, shared);
         Figure figure = figure_of(scene, rows.rows, runs);

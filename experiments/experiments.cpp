@@ -44,14 +44,14 @@ const Study& study_of(TargetScene& scene, const ReproduceOptions& options, const
 }
 
 void measure(ExperimentResult& result, const std::string& scene, const std::string& variant,
-             const DerivativeEstimate& estimate, const DerivativeError& error) {
+             const EstimateNumbers& numbers) {
     const auto add = [&](const char* metric, double value) {
         result.measurements.push_back({result.name, scene, variant, metric, value});
     };
-    add("paper_error", error.paper);
-    add("nmse", error.nmse);
-    add("median_relative_error", error.median_relative);
-    add("derivative_seconds", estimate.seconds);
+    add("paper_error", numbers.error.paper);
+    add("nmse", numbers.error.nmse);
+    add("median_relative_error", numbers.error.median_relative);
+    add("derivative_seconds", numbers.seconds);
 }
 
 }  // namespace burnish

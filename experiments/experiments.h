@@ -15,10 +15,14 @@
 namespace burnish {
 
 using TargetScenes = std::span<TargetScene>;
-/// Is told of the work that is under way.
+/// The numbers of an estimate: those that are kept under its name, or made.
+using GetNumbers = std::function<EstimateNumbers(const std::string& name,
+                                                 const std::function<EstimateNumbers()>& make)>;
+/// Is told of the work that is under way, and keeps what takes long.
 struct WorkNote {
     std::function<void(const std::string&)> begin;  ///< what begins, in a few words
-    Progress share;  ///< the share of it that is done, where the work knows; may be empty
+    Progress share;           ///< the share of it that is done, where the work knows; may be empty
+    GetNumbers numbers = {};  ///< empty: nothing is kept
     void operator()(const std::string& text) const { begin(text); }
 };
 
@@ -64,6 +68,6 @@ const Study& study_of(TargetScene& scene, const ReproduceOptions& options, const
 
 /// Appends the three error measures and the seconds of an estimate.
 void measure(ExperimentResult& result, const std::string& scene, const std::string& variant,
-             const DerivativeEstimate& estimate, const DerivativeError& error);
+             const EstimateNumbers& numbers);
 
 }  // namespace burnish

@@ -95,4 +95,10 @@ DerivativeError derivative_error(const Image& a, const DerivativeReference& refe
 /// the error.
 double normalized_error(double squared, double power, double s);
 
+/// What is told of an estimate.
+struct EstimateNumbers {
+    double seconds = 0;  ///< as of DerivativeEstimate
+    DerivativeError error = {};
+};
+
 }  // namespace burnish

@@ -357,6 +357,36 @@ TEST_F(Signals, AReproductionGoesOnWithinAScene) {
     EXPECT_TRUE(contains(read_text(folder / "r/results.csv"), "path cache, run 4"));
 }
 
+TEST_F(Signals, AReproductionGoesOnBetweenEstimates) {
+    const std::string command =
+        "reproduce ablation -o r --scene goblet --size 32 32 --time-scale 0.01";
+    const auto estimates = [&] {
+        std::set<fs::path> files;
+        for (const fs::path& part : kept_files(folder / "r.kept", "goblet-ablation-unfinished"))
+            for (const fs::path& file : kept_files(part, "estimate")) files.insert(file);
+        return files;
+    };
+    const auto stop = [&](int signal, std::size_t count) {
+        const pid_t pid = start(command);
+        EXPECT_TRUE(wait_for([&] { return estimates().size() >= count; }));
+        const int status = end_within(10, pid, signal);
+        EXPECT_TRUE(WIFEXITED(status) && WEXITSTATUS(status) == 75) << status;
+        EXPECT_TRUE(contains(read_text(folder / ".err"), "goes on with what is kept in r.kept"));
+        EXPECT_FALSE(fs::exists(folder / "r"));
+    };
+    stop(SIGINT, 2);
+    const std::set<fs::path> first = estimates();
+    std::map<fs::path, std::string> bytes;
+    for (const fs::path& file : first) bytes[file] = read_text(file);
+    stop(SIGTERM, first.size() + 2);
+    for (const fs::path& file : first)
+        EXPECT_TRUE(bytes[file] == read_text(file)) << file << " was made again";
+    EXPECT_EQ(end_of(start(command)), 0);
+    EXPECT_TRUE(estimates().empty());
+    EXPECT_EQ(kept_files(folder / "r.kept", "goblet-ablation").size(), 1u);
+    EXPECT_TRUE(contains(read_text(folder / "r/results.csv"), "M_cap 4"));
+}
+
 TEST_F(Signals, AReproductionGoesOnWithinARun) {
     const std::string command =
         "reproduce inverse -o r --scene goblet --size 32 32 --time-scale 100 --force";
