@@ -215,8 +215,9 @@ class Comparison:
         estimates = [side for v in derivatives["variants"].values() for side in (v, v["mitsuba"])]
         evaluated = self.beside("errors", "--texture", derivatives["texture"], "--adjoint", derivatives["adjoint"],
                              "--spp", 1024, "--seed", 99, "--derivatives", *(f for e in estimates for f in e["files"]))
-        derivatives["reference_nmse"] = evaluated["reference_nmse"]
-        # null: the noise of the converged derivative hides it
+        # null: the noise of the converged derivative hides it, or is all of it
+        own = evaluated["reference_nmse"]
+        derivatives["reference_nmse"] = math.inf if own is None else own
         errors = iter(math.nan if e is None else e for e in evaluated["nmse"])
         for e in estimates:
             e["nmse"] = [next(errors) for _ in e["files"]]

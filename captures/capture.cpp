@@ -67,8 +67,9 @@ ViewCamera camera_of(const Value& v) {
 /// A sky as an `envmap` of the scene has it, but what is not finite is refused, and nothing is said
 /// of texels that become black.
 SharedImage read_sky(const std::string& file) {
-    Image sky = with_channels(padded_to(read_image(file), 2, 2), 3);
+    Image sky = read_image(file);
     require_finite(sky, file);
+    sky = with_channels(padded_to(std::move(sky), 2, 2), 3);
     drop_negative(sky);
     return share(std::move(sky));
 }

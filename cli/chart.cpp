@@ -126,7 +126,7 @@ std::string chart_svg(const Chart& chart) {
     std::string svg = fmt::format(
         "<svg class=\"chart\" viewBox=\"0 {} {} {}\" role=\"img\" "
         "aria-label=\"{} over {}\">",
-        0 - names.height, kWidth, kHeight + names.height, escape_html(chart.y_label),
+        0 - names.height /* not -0 */, kWidth, kHeight + names.height, escape_html(chart.y_label),
         escape_html(chart.x_label));
     svg += axes(chart, e);
     for (const ChartSeries& s : chart.series) svg += line(s, e);

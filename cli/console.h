@@ -36,7 +36,8 @@ std::string duration_text(double seconds);
 std::string short_duration_text(double seconds);
 /// Three digits, and all before the point: "0.0123", "1 234".
 std::string digits_text(double number);
-/// So many significant digits, zeros at the end among them: "0.0580", "100"; "0" of 0.
+/// So many significant digits, zeros at the end among them: "0.0580", "100"; "0" of 0. With an
+/// exponent below 0.0001 and where there are more digits before the point: "1.00e-07".
 std::string significant_text(double number, int digits);
 /// Of a share above 0, two digits, and all before the point: "0.012 %", "100 %".
 std::string percent_text(double share);

@@ -13,7 +13,7 @@ namespace burnish {
 
 namespace {
 
-constexpr std::size_t kColumn = 34, kLeastWidth = 60, kMostWidth = 100;
+constexpr std::size_t kColumn = 34, kMinWidth = 60, kMaxWidth = 100;
 
 /// Inheritance is how the parser's library is told.
 class PlainFormatter : public CLI::Formatter {
@@ -40,7 +40,7 @@ class PlainFormatter : public CLI::Formatter {
 std::size_t help_width() {
     winsize size{};
     const bool known = ioctl(STDOUT_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > 0;
-    return known ? std::clamp<std::size_t>(size.ws_col, kLeastWidth, kMostWidth) : kMostWidth;
+    return known ? std::clamp<std::size_t>(size.ws_col, kMinWidth, kMaxWidth) : kMaxWidth;
 }
 
 std::string wrap(const std::string& text, std::size_t width, std::size_t indent) {

@@ -118,7 +118,7 @@ void check_triangles(const Mesh& mesh, MeshCheck& check) {
     }
 }
 
-/// The largest coordinate of its vertices.
+/// The largest magnitude of a coordinate of its corners.
 float farthest(const Box& box) {
     float far = 0;
     for (const Vec3f& p : {box.low, box.high})

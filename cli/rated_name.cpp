@@ -22,9 +22,10 @@ RatedName split_rate(const std::vector<Parameter>& parameters, const std::string
     if (at == std::string::npos || whole) return {text, 0};
     const std::optional<double> rate = parse_number(text.substr(at + 1));
     if (!rate || !(*rate > 0))
-        throw UsageError(fmt::format(
-            "the learning rate of parameter '{}' is '{}', expected a positive number after the @",
-            text.substr(0, at), text.substr(at + 1)));
+        throw UsageError(
+            fmt::format("--parameter: the learning rate of '{}' is '{}', expected a positive "
+                        "number after the @",
+                        text.substr(0, at), text.substr(at + 1)));
     return {text.substr(0, at), *rate};
 }
 

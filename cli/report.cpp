@@ -196,11 +196,11 @@ std::string weighted_text(double error) {
 
 TableRows number_rows(const RunResult& run, const EvaluatedRun& evaluated) {
     const Summary& s = evaluated.summary;
-    TableRows rows{{"loss at the start", fmt::format("{:.6g}", loss_without_noise(s.start))},
-                   {"loss of the result", fmt::format("{:.6g}", loss_without_noise(s.result))}};
+    TableRows rows{{"loss at the start", significant_text(loss_without_noise(s.start), 6)},
+                   {"loss of the result", significant_text(loss_without_noise(s.result), 6)}};
     if (std::isfinite(s.result.noise_floor))
         rows.emplace_back("noise of its evaluation, taken off",
-                          fmt::format("{:.6g}", s.result.noise_floor));
+                          significant_text(s.result.noise_floor, 6));
     rows.emplace_back("iterations", std::to_string(s.counts.iterations));
     rows.emplace_back("optimisation", duration_text(s.seconds));
     rows.emplace_back("ended by", ended_by(s));

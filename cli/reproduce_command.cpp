@@ -268,7 +268,11 @@ void reproduce(const CommandLine& line) {
     const std::vector<KnownTarget> targets = find_targets(line);
     std::vector<Part> parts = wanted_parts(line, targets);
     const KeptResults kept = keep_results(kept_folder(line.output));
-    set_on_disk(OnDisk::kAll, "stopped before anything was kept: the same command begins again");
+    if (std::filesystem::exists(kept.folder))
+        set_kept(kept);
+    else
+        set_on_disk(OnDisk::kAll,
+                    "stopped before anything was kept: the same command begins again");
     run_parts(r, machine, kept, output.unfinished / "scenes", parts);
     const std::size_t done = count_done(parts);
     if (done == 0 && interrupted()) end_interrupted();  // an earlier report stays

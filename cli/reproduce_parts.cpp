@@ -79,13 +79,6 @@ WorkNote note_on(NoteLine& line) {
             [&](double done) { line.share(done); }};
 }
 
-/// Of this run something is kept.
-void set_kept(const KeptResults& kept) {
-    set_on_disk(OnDisk::kAll,
-                fmt::format("stopped: the same command goes on with what is kept in {}",
-                            kept.folder.string()));
-}
-
 /// The scene with its target, which is kept.
 TargetScene prepare(const KnownTarget& target, const ReproduceOptions& options,
                     const KeptResults& kept, const std::filesystem::path& own_folder) {
@@ -239,6 +232,12 @@ void log_part(const Part& part) {
 }
 
 }  // namespace
+
+void set_kept(const KeptResults& kept) {
+    set_on_disk(OnDisk::kAll,
+                fmt::format("stopped: the same command goes on with what is kept in {}",
+                            kept.folder.string()));
+}
 
 nlohmann::json files_of(const std::filesystem::path& folder) {
     nlohmann::json files = nlohmann::json::array();

@@ -36,6 +36,9 @@ struct Part {
 void run_parts(const ReproduceOptions& options, const Machine& machine, const KeptResults& kept,
                const std::filesystem::path& own_folder, std::vector<Part>& parts);
 
+/// What a signal says: of this run something is kept.
+void set_kept(const KeptResults& kept);
+
 std::size_t count_done(const std::vector<Part>& parts);
 
 /// Of the parts that are not done: each takes as long as the same experiment did with other scenes,

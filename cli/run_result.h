@@ -112,7 +112,8 @@ inline std::size_t fitted_count(const RunResult& run) {
 double similarity_of(const RunResult& run, std::size_t view);
 
 /// The settings that repeat the run to the byte: with the iterations and evaluation samples that it
-/// had, where time decided on them. One that went on may have had another patience before.
+/// had, where time decided on them, and without patience where it went on: it may have had another
+/// before.
 Settings repeatable_settings(const RunResult& run);
 
 /// "iterations", "time", "patience" or "signal".

@@ -85,15 +85,18 @@ void add_texture_option(CLI::App& app, std::vector<std::string>& textures) {
 }
 
 void replace_textures(Scene& scene, const std::vector<std::string>& assignments) {
+    std::vector<std::string> names;
     std::vector<TextureId> replaced;
     for (const std::string& assignment : assignments) {
         const auto [name, value] = split_assignment("--texture", assignment);
         if (value.empty())
             throw UsageError("--texture: " + name + ": " + complaint_of_empty(value));
         const Parameter p = scene.parameters[require_parameter(scene, name)];
-        if (std::ranges::count(replaced, p.texture) > 0)
-            throw UsageError(fmt::format("--texture: '{}' is given twice", name));
-        replaced.push_back(p.texture);
+        if (const auto same = std::ranges::find(replaced, p.texture); same != replaced.end())
+            throw UsageError(fmt::format("--texture: '{}' and '{}' are one texture",
+                                         names[static_cast<std::size_t>(same - replaced.begin())],
+                                         name));
+        names.push_back(name), replaced.push_back(p.texture);
         auto& bitmap = std::get<Bitmap>(scene[p.texture]);
         const Image texels = read_texels(bitmap, value, "the texture for " + p.name);
         const float most = largest_value(scene, p.texture);

@@ -4,6 +4,7 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <cmath>
 #include <iterator>
 
 #include "experiments/parameterizations.h"
@@ -298,10 +299,16 @@ std::string ablation_reason(const RatioInterval& positivization, const RatioInte
             "the present.");
     const Verdict of_reuse = verdict_below_one(reuse);
     if (reasons.empty() &&
-        falls_short(verdict_of_parts(verdict_below_one(positivization), of_reuse)))
+        falls_short(verdict_of_parts(verdict_below_one(positivization), of_reuse))) {
+        const bool is_reuse = of_reuse == Verdict::kUndecided;
+        const char* part = is_reuse ? "reuse" : "positivization";
         reasons.push_back(
-            fmt::format("The interval of {} holds 1: more runs or larger pictures would decide.",
-                        of_reuse == Verdict::kUndecided ? "reuse" : "positivization"));
+            std::isnan((is_reuse ? reuse : positivization).ratio)
+                ? fmt::format("The noise of the converged derivative hides what {} does.", part)
+                : fmt::format(
+                      "The interval of {} holds 1: more runs or larger pictures would decide.",
+                      part));
+    }
     return fmt::format("{}", fmt::join(reasons, " "));
 }
 

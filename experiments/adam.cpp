@@ -92,7 +92,11 @@ Figure decay_figure(const TargetScene& scene, const ReproduceOptions& options, c
         spread_text(spread_percent(runs.losses[0])), spread_text(replay.spread_percent),
         spread_text(identity.spread_percent));
     f.verdict = verdict_of_ways(replay.verdict, identity.verdict);
-    if (falls_short(f.verdict))
+    if (replay.verdict == Verdict::kPartly)
+        f.why =
+            "The losses are those of single runs, whose noise is in their range; and the runs are "
+            "short, so that the start of the averages still shows.";
+    else if (falls_short(f.verdict))
         f.why =
             "The runs are short, so that the start of the averages still shows; and the claim "
             "is about the time of the derivative alone, while here the image counts too.";

@@ -20,11 +20,10 @@ DecayComparison compare_decay(std::span<const double> method, std::span<const do
     }
     c.ratio = ratio_interval(ratios);
     c.spread_percent = spread_percent(method);
-    // A range of single runs grows with their noise: a wide one tells nothing.
-    const Verdict is_narrow = c.spread_percent < kNarrow ? Verdict::kHolds : Verdict::kUndecided,
-                  outperforms = verdict_below_one(c.ratio);
-    c.verdict =
-        outperforms == Verdict::kHolds ? verdict_of_parts(outperforms, is_narrow) : outperforms;
+    // The range of single runs holds their noise: a wide one refutes nothing, but does not hold.
+    const bool is_narrow = c.spread_percent < kNarrow;  // false of NaN
+    const Verdict outperforms = verdict_below_one(c.ratio);
+    c.verdict = outperforms == Verdict::kHolds && !is_narrow ? Verdict::kPartly : outperforms;
     return c;
 }
 

@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <functional>
 #include <initializer_list>
 #include <limits>
@@ -251,30 +252,11 @@ Figure positivization_figure(const TargetScene& scene, double start,
         interval_text(options.runs), text_of(ratio(kIterations)), options.budget.iterations,
         text_of(ratio(kDerivative)), options.budget.derivative_seconds, text_of(ratio(kClock)),
         options.budget.seconds);
+    f.measured +=
+        " Shown are the parts that differ most; losses and errors below are of the whole.";
     f.verdict = verdict_below_one(ratio(kIterations));
     f.pictures = close_ups_of(scene, start, methods);
     return f;
-}
-
-/// The mean loss of the last sixth of the derivative's time over that of the sixth before: below 1
-/// where a run goes on.
-double late_change(const Run& run, double seconds) {
-    double sums[2] = {}, counts[2] = {};
-    for (const CurvePoint& p : run.losses.points) {
-        const double sixth = 6 * p.x / seconds;
-        if (sixth < 4 || sixth > 6) continue;
-        const std::size_t k = sixth < 5 ? 0 : 1;
-        sums[k] += p.y, ++counts[k];
-    }
-    return (sums[1] / counts[1]) / (sums[0] / counts[0]);
-}
-
-/// Of each run.
-std::vector<double> late_changes(const Method& method, const Budget& budget) {
-    std::vector<double> ratios;
-    for (const Run& run : method.runs)
-        ratios.push_back(late_change(run, budget.derivative_seconds));
-    return ratios;
 }
 
 /// The paper's figures 4 and 6 (d): where the baseline has converged, pgris goes on.
@@ -286,6 +268,9 @@ Figure late_figure(const TargetScene& scene, const std::vector<Method>& methods,
     for (std::size_t k = 0; k < of_mc.size(); ++k) paired.push_back(of_replay[k] / of_mc[k]);
     const RatioInterval mc = ratio_interval(of_mc), replay = ratio_interval(of_replay),
                         beside_mc = ratio_interval(paired);
+    const auto text = [](const RatioInterval& i) {
+        return std::isnan(i.ratio) ? "too few iterations to tell" : text_of(i);
+    };
     Figure f;
     f.title = title_of(scene) + ", late in the run";
     f.claim = "The loss goes on falling where that of detached sampling has converged.";
@@ -293,8 +278,8 @@ Figure late_figure(const TargetScene& scene, const std::vector<Method>& methods,
         "The mean loss of the last sixth of the time of the derivatives over that of the sixth "
         "before, {}: mc {}, pgris with replay {}, with the identity shift {}. That of pgris with "
         "replay over that of mc, run by run: {}.",
-        interval_text(options.runs), text_of(mc), text_of(replay),
-        text_of(ratio_interval(changes(kIdentity))), text_of(beside_mc));
+        interval_text(options.runs), text(mc), text(replay),
+        text(ratio_interval(changes(kIdentity))), text(beside_mc));
     f.verdict = late_verdict(mc, replay, beside_mc);
     if (stands_below_one(mc))
         f.why = fmt::format(

@@ -93,6 +93,18 @@ Moment moment_of(const TargetScene& scene, const ReproduceOptions& options, cons
     return m;
 }
 
+/// As of late_changes.
+double late_change(const Run& run, double seconds) {
+    double sums[2] = {}, counts[2] = {};
+    for (const CurvePoint& p : run.losses.points) {
+        const double sixth = 6 * p.x / seconds;
+        if (sixth < 4 || sixth > 6) continue;
+        const std::size_t k = sixth < 5 ? 0 : 1;
+        sums[k] += p.y, ++counts[k];
+    }
+    return (sums[1] / counts[1]) / (sums[0] / counts[0]);
+}
+
 }  // namespace
 
 InverseRuns planned_runs(const TargetScene& scene, const ReproduceOptions& options) {
@@ -194,6 +206,13 @@ const InverseRuns& runs_of(TargetScene& scene, const ReproduceOptions& options,
             return run_method(scene, method, options, k, note);
         });
     return *scene.runs;
+}
+
+std::vector<double> late_changes(const Method& method, const Budget& budget) {
+    std::vector<double> ratios;
+    for (const Run& run : method.runs)
+        ratios.push_back(late_change(run, budget.derivative_seconds));
+    return ratios;
 }
 
 }  // namespace burnish

@@ -79,6 +79,10 @@ using GetRun = std::function<std::optional<Run>(const Method& method, std::uint3
 std::shared_ptr<const InverseRuns> make_runs(const TargetScene& scene,
                                              const ReproduceOptions& options, const GetRun& get);
 
+/// The mean loss of the last sixth of the derivative's time over that of the sixth before, of each
+/// run: below 1 where a run goes on, NaN where no iteration ends in one of them.
+std::vector<double> late_changes(const Method& method, const Budget& budget);
+
 /// The runs of a scene; made on the first call and kept in the scene.
 const InverseRuns& runs_of(TargetScene& scene, const ReproduceOptions& options,
                            const WorkNote& note);

@@ -155,8 +155,8 @@ DerivativeReference converged_derivative(const TracedScene& scene, const Traject
     for (std::uint32_t k = 0; k < estimates; ++k) {
         // A seed for each half: the passes of one share a sequence of film offsets that fills the
         // pixel evenly, so that they are not independent.
-        const std::uint32_t seed_of_own = seed_of_half(own_seed, k % 2);
-        add(estimate_at_end(scene, trajectory, mc, seed_of_own, k / 2), half[k % 2]);
+        const std::uint32_t half_seed = seed_of_half(own_seed, k % 2);
+        add(estimate_at_end(scene, trajectory, mc, half_seed, k / 2), half[k % 2]);
         tell(progress, k + 1, estimates);
     }
     const double n0 = (estimates + 1) / 2, n1 = estimates / 2;

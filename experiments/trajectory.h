@@ -91,8 +91,8 @@ struct DerivativeError {
     double median_relative = 0;  ///< median of |a - b| / |b| over texels with b != 0
 };
 DerivativeError derivative_error(const Image& a, const DerivativeReference& reference);
-/// (squared - s) / (power - s) of sums (a - b)^2 and b^2; NaN unless both are above 0: noise hides
-/// the error.
+/// (squared - s) / (power - s) of sums (a - b)^2 and b^2, s being the reference's own squared
+/// error; NaN unless both are above 0: noise hides the error.
 double normalized_error(double squared, double power, double s);
 
 /// What is told of an estimate.

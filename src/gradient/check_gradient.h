@@ -31,7 +31,7 @@ enum class Agreement {
     kAgree,
     kDisagree,
     /// The standard error is more than a quarter of the derivative, or parts of blends were drawn
-    /// otherwise in less than kCheckDrawn batches: neither is shown.
+    /// otherwise in fewer than kCheckDrawn batches: neither is shown.
     kTooNoisy,
     kNothing,  ///< both are 0, without noise: the picture shows no light that the texture scatters
 };
@@ -46,11 +46,13 @@ struct GradientCheck {
 };
 
 /// |t| above this is a disagreement: of a right derivative one time in 10,000 (Student's t with
-/// kCheckBatches - 1 degrees of freedom), unless they differ by less than kCheckRounding of the
-/// larger one: images are floats, and where nothing is noisy the errors of both are rounding.
+/// kCheckBatches - 1 degrees of freedom), by a weight or an opacity that takes effect in few more
+/// than kCheckDrawn batches up to one time in 900; unless they differ by less than kCheckRounding
+/// of the larger one: images are floats, and where nothing is noisy the errors of both are
+/// rounding.
 inline constexpr double kCheckThreshold = 4.44, kCheckRounding = 1e-4;
 
-/// So many batches must see a weight of a blend, or an opacity, take effect.
+/// So many batches must see a weight of a blend, or an opacity, take effect; else kTooNoisy.
 inline constexpr int kCheckDrawn = kCheckBatches / 2;
 
 /// Theta with all values moved to where both sides can be rendered.

@@ -39,8 +39,8 @@ struct MeshOptions {
 /// Unit normals of faces, weighted by the angle at the vertex.
 std::vector<Vec3f> smooth_normals(const Mesh& mesh);
 
-/// Gives vertices whose normal is 0 0 0 that of the faces around them, as of smooth_normals. How
-/// many of them faces have.
+/// Gives vertices whose normal is 0 0 0 the one that smooth_normals has there. Returns how many of
+/// these vertices faces use. mesh: no normals, or one for each vertex.
 std::size_t fill_zero_normals(Mesh& mesh);
 
 /// To world space. Missing normals are computed (smooth, weighted by angle) unless face_normals. As

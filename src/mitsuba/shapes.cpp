@@ -59,7 +59,7 @@ MeshFile read_mesh_file(const std::filesystem::path& file, Properties& propertie
     }
 }
 
-/// Says what an OBJ mesh lacks at some corners, and which normals are none.
+/// Says what an OBJ mesh lacks at some corners, and how many vertices of a mesh have the normal 0.
 void warn_of_corners(Loader& loader, const Properties& properties, const MeshFile& file,
                      std::size_t zero_normals, bool face_normals) {
     const auto warn = [&](std::size_t missing, const char* what, const char* taken) {
@@ -73,9 +73,9 @@ void warn_of_corners(Loader& loader, const Properties& properties, const MeshFil
     warn(file.corners_without_normal, "normals", "computed from the faces around them");
     if (zero_normals > 0)
         log_warning(loader, properties.node->place,
-                    fmt::format("{} vertices have the normal 0 0 0: computed from the faces around "
-                                "them",
-                                zero_normals));
+                    fmt::format("{} the normal 0 0 0: computed from the faces around",
+                                zero_normals == 1 ? "1 vertex has"
+                                                  : fmt::format("{} vertices have", zero_normals)));
 }
 
 Mesh load_mesh(Loader& loader, Properties& properties) {

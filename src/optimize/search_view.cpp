@@ -95,8 +95,9 @@ std::array<float, 2> mean_and_mask(const SearchFrame& f, int x, int y, int chann
 /// where squares overflow, too.
 float weight_of(float mean, float mask, float exposure, float small) {
     const float square = mean * mean, weight = mask * exposure * exposure / (square + small);
-    if (std::isfinite(square) && std::isfinite(weight)) return weight;
     constexpr double kMost = 1e30;
+    if (std::isfinite(square) && std::isfinite(weight))
+        return std::min(weight, static_cast<float>(kMost));
     const double m = mean, e = exposure;
     return static_cast<float>(std::min(double{mask} * e * e / (m * m + double{small}), kMost));
 }
@@ -108,7 +109,7 @@ float small_of(const SearchFrame& f, const Image& means, const std::vector<float
     std::vector<char> counting(masks.size());
     for (std::size_t i = 0; i < masks.size(); ++i) counting[i] = masks[i] > 0 && f.seen[i / 3];
     const float white = quantile(means, 0.99, counting);
-    constexpr float kLeastSquare = 1e-30f;  // what is divided by it stays finite
+    constexpr float kLeastSquare = 1e-30f;  // above 0 after the 0.01, too
     return 0.01f * (white > 0 && white < 1 ? std::max(white * white, kLeastSquare) : 1);
 }
 

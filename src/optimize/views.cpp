@@ -65,11 +65,13 @@ void check_picture(const View& view, const Renderer& renderer) {
                     "size, {}",
                     size_text(view.mask.width, view.mask.height), channels, expected));
     require_whole(view.image, "the target image");
-    if (view.mask.width != 0) require_whole(view.mask, "the mask");
-    require_finite(view.mask, "the mask");
-    const float least = view.mask.width == 0 ? 0 : *std::ranges::min_element(view.mask.values);
-    require(least >= 0,
-            fmt::format("the mask holds {:f}, expected weights that are not negative", least));
+    if (view.mask.width != 0) {
+        require_whole(view.mask, "the mask");
+        require_finite(view.mask, "the mask");
+        const float least = *std::ranges::min_element(view.mask.values);
+        require(least >= 0,
+                fmt::format("the mask holds {:f}, expected weights that are not negative", least));
+    }
     if (!is_finite(view.image)) require_finite(counted(view), "the target image");
 }
 

@@ -110,12 +110,10 @@ std::optional<std::uint32_t> only_emitter(const LightSelector& selector, std::ui
 }
 
 void choose(const Lights& lights, const std::array<Column, 4>& u, const ColumnVec3& position,
-            const ActiveList& wanted, std::uint32_t which, Chosen& chosen, LightColumns& out) {
+            const ActiveList& wanted, std::uint32_t candidate, Chosen& chosen, LightColumns& out) {
     if (wanted.count == 0) return;
-    if (const auto only = only_emitter(lights.selector, which))
+    if (const auto only = only_emitter(lights.selector, candidate))
         return choose_only(lights, *only, u, position, wanted, chosen, out);
-    std::array<std::uint32_t, kLanes> candidate;
-    candidate.fill(which);
     for (std::size_t first = 0; first < wanted.count; first += kLanes) {
         const ColumnIndices lanes = indices(wanted, first);
         const auto selected = select_emitters(

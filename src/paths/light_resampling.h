@@ -10,6 +10,8 @@
 // What hides a light is not asked; e bounds what a sample may come to weigh as textures move.
 #pragma once
 
+#include <array>
+#include <cstdint>
 #include <limits>
 #include <span>
 #include <vector>
@@ -59,7 +61,7 @@ struct LightCandidate {
 /// The choices of a batch.
 struct LightCandidates {
     std::vector<LightCandidate> drawn;
-    std::array<std::uint32_t, kMaxLanes> chosen;
+    std::array<std::uint32_t, kMaxLanes> chosen;  ///< the candidate of each lane
     Column inverse_probability;
     Column u;  ///< by which they were made
 };

@@ -228,9 +228,10 @@ SelectedEmitter select_emitter(const LightSelector& s, const Vec3f& position,
     return {};
 }
 
-std::array<SelectedEmitter, kLanes> select_emitters(
-    const LightSelector& s, const Vec3<Packet>& position, const std::array<Packet, 4>& u,
-    const std::array<std::uint32_t, kLanes>& candidate) {
+std::array<SelectedEmitter, kLanes> select_emitters(const LightSelector& s,
+                                                    const Vec3<Packet>& position,
+                                                    const std::array<Packet, 4>& u,
+                                                    std::uint32_t candidate) {
     switch (s.selection) {
         case LightSelection::kUniform:
         case LightSelection::kPower:
@@ -240,10 +241,11 @@ std::array<SelectedEmitter, kLanes> select_emitters(
             if (s.emitters > 1) return select_by_tree(s, position, u);
             break;
     }
-    std::array<SelectedEmitter, kLanes> selected;  // whatever the position
+    // None of these choices looks at the position.
+    std::array<SelectedEmitter, kLanes> selected;
     for (int lane = 0; lane < kLanes; ++lane) {
         const auto k = static_cast<std::size_t>(lane);
-        selected[k] = select_emitter(s, Vec3f{}, lane_of(u, lane), candidate[k]);
+        selected[k] = select_emitter(s, Vec3f{}, lane_of(u, lane), candidate);
     }
     return selected;
 }
@@ -274,7 +276,7 @@ T inverse_probability_at_infinity(const LightSelector& s, const Vec3<T>& positio
             if (s.emitters > 1) return T(1.0f) / (share_of_infinite(s, position) * T(s.sky_share));
             break;
     }
-    // Whatever the position.
+    // None of these choices looks at the position.
     return T(inverse_probability(s, Vec3f{}, static_cast<std::uint32_t>(s.sky)));
 }
 template float inverse_probability_at_infinity(const LightSelector&, const Vec3f&);

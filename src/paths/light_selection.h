@@ -85,9 +85,10 @@ SelectedEmitter select_emitter(const LightSelector& selector, const Vec3f& posit
                                const std::array<float, 4>& u, std::uint32_t candidate = 0);
 
 /// Sixteen at a time, bit by bit the same.
-std::array<SelectedEmitter, kLanes> select_emitters(
-    const LightSelector& selector, const Vec3<Packet>& position, const std::array<Packet, 4>& u,
-    const std::array<std::uint32_t, kLanes>& candidate = {});
+std::array<SelectedEmitter, kLanes> select_emitters(const LightSelector& selector,
+                                                    const Vec3<Packet>& position,
+                                                    const std::array<Packet, 4>& u,
+                                                    std::uint32_t candidate = 0);
 
 /// 1 / probability with which select_emitter gives this emitter at this position; infinity where it
 /// never does. Of several candidates 1 / expected number of those that it is.

@@ -102,7 +102,8 @@ template <class T>
 CameraRay<T> ray_of_kind(const CameraRays& c, const Vec2<T>& film_position,
                          const Vec2<T>& aperture) {
     switch (c.kind) {
-        case CameraKind::kPinhole:
+        case CameraKind::kPinhole:  // of camera_ray
+            BURNISH_REQUIRE(c.kind, !=, CameraKind::kPinhole);
             break;
         case CameraKind::kBent:
             return bent_ray(c, film_position);
@@ -111,7 +112,6 @@ CameraRay<T> ray_of_kind(const CameraRays& c, const Vec2<T>& film_position,
         case CameraKind::kThinLens:
             return thin_lens_ray(c, film_position, aperture);
     }
-    BURNISH_REQUIRE(c.kind, !=, CameraKind::kPinhole);
     return {};
 }
 

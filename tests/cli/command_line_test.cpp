@@ -239,7 +239,8 @@ TEST_F(CommandLine, ATextureIsReplacedOnce) {
     for (const char* other : {"roughness", "mat-panel.brdf_0.roughness.data"})
         expect_refused("render scene.xml --spp 1 -o a.exr --texture roughness=0.5 --texture " +
                            std::string(other) + "=0.7",
-                       2, "--texture: '" + std::string(other) + "' is given twice");
+                       2,
+                       "--texture: 'roughness' and '" + std::string(other) + "' are one texture");
 }
 
 TEST_F(CommandLine, CheckGradientSaysWhetherDerivativesAgree) {
@@ -761,9 +762,9 @@ TEST_F(CommandLine, BadInvocationsSayWhatIsWrong) {
         {"optimize scene.xml --parameter base_color --spp 5000 -o out", 2,
          "--spp: expected a whole number from 1 to 4096, found '5000'"},
         {"optimize scene.xml --parameter base_color@0 -o out", 2,
-         "'0', expected a positive number after the @"},
+         "--parameter: the learning rate of 'base_color' is '0', expected a positive number"},
         {"optimize scene.xml --parameter base_color@quick -o out", 2,
-         "'quick', expected a positive number after the @"},
+         "--parameter: the learning rate of 'base_color' is 'quick', expected a positive number"},
         {"optimize scene.xml --parameter base_color --parameter panel.base_color -o out", 65,
          "no parameter is called 'panel.base_color'"},
         {"optimize scene.xml --parameter base_color --parameter base_color -o out", 65,

@@ -146,6 +146,8 @@ TEST(Ablation, SaysWhyOfWhatDoesNotHoldOrNotAllOfIt) {
               "The interval of positivization holds 1: more runs or larger pictures would decide.");
     EXPECT_EQ(ablation_reason(below, around),
               "The interval of reuse holds 1: more runs or larger pictures would decide.");
+    EXPECT_EQ(ablation_reason({std::nan("")}, below),
+              "The noise of the converged derivative hides what positivization does.");
     EXPECT_TRUE(ablation_reason(above, below).starts_with("A second reservoir"));
     EXPECT_TRUE(ablation_reason(below, above).starts_with("The textures move"));
     EXPECT_NE(ablation_reason(above, above).find("as well. The textures"), std::string::npos);
