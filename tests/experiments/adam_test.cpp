@@ -50,8 +50,9 @@ TEST(DecayRates, DoNotFailByTheSpreadOfNoise) {
         const DecayComparison c = compare_decay(noisy_losses(), noisy_losses());
         wide += c.spread_percent >= 10;
         EXPECT_EQ(c.verdict == Verdict::kFails, c.ratio.low > 1) << run;
-        if (c.ratio.high < 1)
+        if (c.ratio.high < 1) {
             EXPECT_EQ(c.verdict, c.spread_percent < 10 ? Verdict::kHolds : Verdict::kPartly) << run;
+        }
     }
     EXPECT_GT(wide, 500);
 }
