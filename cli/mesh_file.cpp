@@ -47,9 +47,7 @@ std::string note_of_materials(std::size_t count) {
 FoundMesh read_mesh(const std::filesystem::path& file) {
     FoundMesh read = read_any(file);
     if (const std::size_t count = mitsuba::fill_zero_normals(read.mesh))
-        read.notes.push_back(
-            fmt::format("{} the normal 0 0 0: computed from the faces around",
-                        count == 1 ? "1 vertex has" : fmt::format("{} vertices have", count)));
+        read.notes.push_back(mitsuba::zero_normals_text(count));
     read.mesh = mitsuba::finish_mesh(std::move(read.mesh), {});
     return read;
 }

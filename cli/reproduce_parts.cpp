@@ -210,7 +210,6 @@ void run_part(const ReproduceOptions& options, const Machine& machine, const Kep
     try {
         result = e.run(scene, options, note);
     } catch (const StoppedBetweenEstimates&) {
-        set_kept(kept);
         return;
     }
     result.title = e.title;
@@ -284,11 +283,9 @@ void run_parts(const ReproduceOptions& options, const Machine& machine, const Ke
         else
             missing.push_back(&part);
     }
-    if (missing.size() < parts.size()) {
-        set_kept(kept);
+    if (missing.size() < parts.size())
         log_info(fmt::format("{} of {} parts are kept from an earlier run",
                              parts.size() - missing.size(), parts.size()));
-    }
     // Scene by scene: only one has to be in memory.
     std::stable_sort(missing.begin(), missing.end(),
                      [](const Part* a, const Part* b) { return a->target < b->target; });

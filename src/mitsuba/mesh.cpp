@@ -1,5 +1,7 @@
 #include "mitsuba/mesh.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <utility>
@@ -55,6 +57,11 @@ std::size_t fill_zero_normals(Mesh& mesh) {
     for (std::size_t v = 0; v < mesh.normals.size(); ++v)
         if (mesh.normals[v] == zero) mesh.normals[v] = around[v], count += has_face[v] != 0;
     return count;
+}
+
+std::string zero_normals_text(std::size_t count) {
+    return fmt::format("{} the normal 0 0 0: computed from the faces around",
+                       count == 1 ? "1 vertex has" : fmt::format("{} vertices have", count));
 }
 
 Mesh finish_mesh(Mesh mesh, const MeshOptions& options) {

@@ -42,6 +42,8 @@ std::vector<Vec3f> smooth_normals(const Mesh& mesh);
 /// Gives vertices whose normal is 0 0 0 the one that smooth_normals has there. Returns how many of
 /// these vertices faces use. mesh: no normals, or one for each vertex.
 std::size_t fill_zero_normals(Mesh& mesh);
+/// What is said of so many, at least one: "2 vertices have the normal 0 0 0: ...".
+std::string zero_normals_text(std::size_t count);
 
 /// To world space. Missing normals are computed (smooth, weighted by angle) unless face_normals. As
 /// in Mitsuba, the triangles keep their winding under a mirror, except where the file gives the

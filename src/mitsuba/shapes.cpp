@@ -72,10 +72,7 @@ void warn_of_corners(Loader& loader, const Properties& properties, const MeshFil
     if (face_normals) return;
     warn(file.corners_without_normal, "normals", "computed from the faces around them");
     if (zero_normals > 0)
-        log_warning(loader, properties.node->place,
-                    fmt::format("{} the normal 0 0 0: computed from the faces around",
-                                zero_normals == 1 ? "1 vertex has"
-                                                  : fmt::format("{} vertices have", zero_normals)));
+        log_warning(loader, properties.node->place, zero_normals_text(zero_normals));
 }
 
 Mesh load_mesh(Loader& loader, Properties& properties) {
@@ -84,7 +81,7 @@ Mesh load_mesh(Loader& loader, Properties& properties) {
     const bool flip_uvs = take_boolean(properties, "flip_tex_coords", properties.type == "obj");
     MeshFile file =
         read_mesh_file(resolve_file(loader.document, properties.node->place, name), properties);
-    const std::size_t zero_normals = fill_zero_normals(file.mesh);
+    const std::size_t zero_normals = options.face_normals ? 0 : fill_zero_normals(file.mesh);
     warn_of_corners(loader, properties, file, zero_normals, options.face_normals);
     if (flip_uvs)
         for (Vec2f& uv : file.mesh.uvs) uv.y = 1 - uv.y;

@@ -11,6 +11,7 @@
 #include "core/random.h"
 #include "core/require.h"
 #include "image/image.h"
+#include "image/quality.h"
 #include "image/whole.h"
 #include "optimize/loss.h"
 #include "optimize/ranks.h"
@@ -41,16 +42,6 @@ void check_exposure(const Problem& problem, const View& view) {
     }
 }
 
-/// The picture of a view, 0 where its mask leaves it out.
-Image counted(const View& view) {
-    Image image = view.image;
-    for (int y = 0; y < image.height; ++y)
-        for (int x = 0; x < image.width; ++x)
-            for (int c = 0; c < image.channels; ++c)
-                if (mask_at(view.mask, x, y, c) == 0) image.at(x, y, c) = 0;
-    return image;
-}
-
 void check_picture(const View& view, const Renderer& renderer) {
     const std::string expected = size_text(renderer.width(), renderer.height()) + " pixels";
     require(
@@ -72,7 +63,11 @@ void check_picture(const View& view, const Renderer& renderer) {
         require(least >= 0,
                 fmt::format("the mask holds {:f}, expected weights that are not negative", least));
     }
-    if (!is_finite(view.image)) require_finite(counted(view), "the target image");
+    if (is_finite(view.image)) return;
+    const Image zeros = make_image(view.image.width, view.image.height, 3);
+    require_finite(
+        view.mask.width == 0 ? view.image : alike_where_uncounted(view.image, zeros, view.mask),
+        "the target image");
 }
 
 /// The image of a sky that is prepared; none: there is no such sky.

@@ -228,20 +228,28 @@ SelectedEmitter select_emitter(const LightSelector& s, const Vec3f& position,
     return {};
 }
 
-std::array<SelectedEmitter, kLanes> select_emitters(const LightSelector& s,
-                                                    const Vec3<Packet>& position,
-                                                    const std::array<Packet, 4>& u,
-                                                    std::uint32_t candidate) {
+namespace {
+
+/// Whether the tree chooses among several emitters; other choices do not look at the position.
+bool chooses_by_tree(const LightSelector& s) {
     switch (s.selection) {
         case LightSelection::kUniform:
         case LightSelection::kPower:
         case LightSelection::kResampled:
-            break;
+            return false;
         case LightSelection::kTree:
-            if (s.emitters > 1) return select_by_tree(s, position, u);
-            break;
+            return s.emitters > 1;
     }
-    // None of these choices looks at the position.
+    return false;
+}
+
+}  // namespace
+
+std::array<SelectedEmitter, kLanes> select_emitters(const LightSelector& s,
+                                                    const Vec3<Packet>& position,
+                                                    const std::array<Packet, 4>& u,
+                                                    std::uint32_t candidate) {
+    if (chooses_by_tree(s)) return select_by_tree(s, position, u);
     std::array<SelectedEmitter, kLanes> selected;
     for (int lane = 0; lane < kLanes; ++lane) {
         const auto k = static_cast<std::size_t>(lane);
@@ -267,16 +275,7 @@ float inverse_probability(const LightSelector& s, const Vec3f& position, std::ui
 
 template <class T>
 T inverse_probability_at_infinity(const LightSelector& s, const Vec3<T>& position) {
-    switch (s.selection) {
-        case LightSelection::kUniform:
-        case LightSelection::kPower:
-        case LightSelection::kResampled:
-            break;
-        case LightSelection::kTree:
-            if (s.emitters > 1) return T(1.0f) / (share_of_infinite(s, position) * T(s.sky_share));
-            break;
-    }
-    // None of these choices looks at the position.
+    if (chooses_by_tree(s)) return T(1.0f) / (share_of_infinite(s, position) * T(s.sky_share));
     return T(inverse_probability(s, Vec3f{}, static_cast<std::uint32_t>(s.sky)));
 }
 template float inverse_probability_at_infinity(const LightSelector&, const Vec3f&);

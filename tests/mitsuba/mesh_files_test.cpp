@@ -242,6 +242,16 @@ TEST(Obj, CornersKeepTheTextureCoordinatesThatTheyHave) {
     EXPECT_TRUE(file.mesh.normals.empty());
 }
 
+/// Of a scene that shows the file a.obj.
+std::vector<std::string> warnings_of_obj(const TemporaryFolder& folder,
+                                         const std::string& flag = "") {
+    return load_text(folder,
+                     "<emitter type='constant'/><shape type='obj'><string name='filename' "
+                     "value='a.obj'/>" +
+                         flag + "</shape>")
+        .warnings;
+}
+
 TEST(Obj, CornersKeepTheNormalsThatTheyHave) {
     const TemporaryFolder folder;
     const auto path =
@@ -251,17 +261,11 @@ TEST(Obj, CornersKeepTheNormalsThatTheyHave) {
     EXPECT_EQ(file.mesh.normals[1], (Vec3f{0.6f, 0, 0.8f}));
     EXPECT_EQ(file.mesh.normals[4], (Vec3f{0, 0, 1}));
     EXPECT_EQ(file.corners_without_normal, 4u);
-    const auto warnings = [&](const std::string& flag) {
-        return load_text(folder,
-                         "<emitter type='constant'/><shape type='obj'><string name='filename' "
-                         "value='a.obj'/>" +
-                             flag + "</shape>")
-            .warnings;
-    };
-    ASSERT_EQ(warnings("").size(), 1u);
-    EXPECT_NE(warnings("")[0].find("4 corners of the faces lack the normals that others have"),
-              std::string::npos);
-    EXPECT_TRUE(warnings("<boolean name='face_normals' value='true'/>").empty());
+    ASSERT_EQ(warnings_of_obj(folder).size(), 1u);
+    EXPECT_NE(
+        warnings_of_obj(folder)[0].find("4 corners of the faces lack the normals that others have"),
+        std::string::npos);
+    EXPECT_TRUE(warnings_of_obj(folder, "<boolean name='face_normals' value='true'/>").empty());
 }
 
 TEST(MeshNormals, ThatAreZeroAreThoseOfTheFacesAround) {
@@ -280,16 +284,10 @@ TEST(MeshNormals, ThatAreZeroAreThoseOfTheFacesAround) {
         up += n == Vec3f{0, 0, 1};
     }
     EXPECT_EQ(up, 2u);
-    const auto warnings = [&](const std::string& flag) {
-        return load_text(folder,
-                         "<emitter type='constant'/><shape type='obj'><string name='filename' "
-                         "value='a.obj'/>" +
-                             flag + "</shape>")
-            .warnings;
-    };
-    ASSERT_EQ(warnings("").size(), 1u);
-    EXPECT_NE(warnings("")[0].find("2 vertices have the normal 0 0 0"), std::string::npos);
-    EXPECT_TRUE(warnings("<boolean name='face_normals' value='true'/>").empty());
+    ASSERT_EQ(warnings_of_obj(folder).size(), 1u);
+    EXPECT_NE(warnings_of_obj(folder)[0].find("2 vertices have the normal 0 0 0"),
+              std::string::npos);
+    EXPECT_TRUE(warnings_of_obj(folder, "<boolean name='face_normals' value='true'/>").empty());
 }
 
 TEST(Obj, MessagesSayWhere) {
