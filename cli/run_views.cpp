@@ -10,6 +10,7 @@
 #include "cli/console.h"
 #include "optimize/view_loss.h"
 #include "optimize/views.h"
+#include "scene/parameter_names.h"
 
 namespace burnish {
 
@@ -101,17 +102,12 @@ std::vector<CapturedView> named_views(const RunSettings& run,
 }
 
 [[noreturn]] void refuse_held_out(const std::string& name, const std::vector<CapturedView>& views) {
-    constexpr std::size_t kMost = 20;
     std::vector<std::string> names;
     for (const CapturedView& v : views)
         if (!v.view.name.empty()) names.push_back(v.view.name);
     const char* expected = names.empty() ? "they have no names" : "expected one of ";
-    if (names.size() > kMost) {
-        names[kMost] = fmt::format("and {} more", names.size() - kMost);
-        names.resize(kMost + 1);
-    }
-    throw InputError(fmt::format("--hold-out: no view is named \"{}\": {}{}", name, expected,
-                                 fmt::join(names, ", ")));
+    throw InputError(
+        fmt::format("--hold-out: no view is named \"{}\": {}{}", name, expected, list_of(names)));
 }
 
 }  // namespace

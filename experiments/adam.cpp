@@ -219,15 +219,21 @@ Figure correlation_figure(const TargetScene& scene, const Study& study,
     const auto averaged = [](const Correlation& c) {
         return decimals_text(positive_ratio(c.nmse, c.moment[1]), 1);
     };
+    const double single = positive_ratio(all[1].nmse, all[0].nmse),
+                 left = positive_ratio(all[1].moment[1], all[0].moment[1]);
+    f.tables.push_back(table);
+    if (std::isnan(single) || std::isnan(left)) {
+        f.measured = "The reference is too noisy to tell what averages leave of the errors.";
+        return f;
+    }
     f.measured = fmt::format(
         "At frozen textures a single gradient of pgris with replay has {} times the error of one "
         "of mc. Averaging over iterations, as Adam with beta1 = 0.9 does, divides the error of mc "
         "by {} and that of pgris by {}: the errors of pgris are correlated ({} from one iteration "
         "to the next), so that much of what reuse wins is what the average would have won. What is "
         "left in Adam's mean is {} times the error with mc.",
-        positive_ratio_text(all[1].nmse, all[0].nmse), averaged(all[0]), averaged(all[1]),
-        decimals_text(all[1].lag[1], 2), positive_ratio_text(all[1].moment[1], all[0].moment[1]));
-    f.tables.push_back(table);
+        text_of({.ratio = single}), averaged(all[0]), averaged(all[1]),
+        decimals_text(all[1].lag[1], 2), text_of({.ratio = left}));
     return f;
 }
 

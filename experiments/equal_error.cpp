@@ -87,6 +87,13 @@ std::string seconds_of_mc_text(const EqualError& row) {
     return fmt::format("{}{:.4f}", has_bound(row.runs) ? "at least " : "", mean);
 }
 
+/// What the error of a row's shift takes of mc.
+std::string needs_text(const EqualError& row) {
+    if (std::isnan(samples_of_mc(row).ratio)) return text_of(samples_of_mc(row));
+    return fmt::format("{} samples per pixel, and pgris {} times the seconds of that stage",
+                       samples_text(row), seconds_text(row));
+}
+
 std::string variant_of(Shift shift) {
     return shift == Shift::kReplay ? "pgris, replay" : "pgris, identity";
 }
@@ -160,11 +167,10 @@ Figure figure_of(const TargetScene& scene, const std::vector<EqualError>& rows, 
     f.title = title_of(scene);
     f.claim = "Reuse is worth many samples per pixel: fewer are needed for the same error.";
     f.measured = fmt::format(
-        "For the error of pgris, {}: with replay mc needs {} samples per pixel and pgris {} times "
-        "the seconds of mc's derivative stage; with the identity shift {} and {}. The whole "
-        "iteration adds the image, {:.3f} s, to both.",
-        interval_text(rows[0].runs.size()), samples_text(rows[0]), seconds_text(rows[0]),
-        samples_text(rows[1]), seconds_text(rows[1]), image_seconds);
+        "What mc needs in its derivative stage for the error of pgris, {}: with replay {}; with "
+        "the identity shift {}. The whole iteration adds the image, {:.3f} s, to both.",
+        interval_text(rows[0].runs.size()), needs_text(rows[0]), needs_text(rows[1]),
+        image_seconds);
     f.verdict = verdict_of_ways(verdict_of(rows[0].runs), verdict_of(rows[1].runs));
     const bool is_slower =
         !has_bound(rows[0].runs) && stands_above_one(seconds_ratio(rows[0].runs));

@@ -92,7 +92,7 @@ TEST(EqualError, AnErrorThatMcDoesNotReachIsABound) {
     const ExperimentResult result = result_of(options);
     const Figure& f = result.figures.at(0);
     EXPECT_FALSE(values_of(result, "pgris, replay", "mc_seconds_at_least").empty());
-    EXPECT_TRUE(says(f, "mc needs at least 1.00")) << f.measured;
+    EXPECT_TRUE(says(f, "with replay at least 1.00")) << f.measured;
     EXPECT_TRUE(says(f, "pgris at most ")) << f.measured;
     EXPECT_NE(f.verdict, Verdict::kFails);
 }
@@ -107,7 +107,7 @@ TEST(EqualError, ErrorsThatTheReferenceHidesTellNothing) {
         run_equal_error(scenes, options, {[](const std::string&) {}, {}});
     const Figure& f = result.figures.at(0);
     EXPECT_EQ(f.verdict, Verdict::kUndecided);
-    EXPECT_TRUE(says(f, "mc needs too noisy to tell samples")) << f.measured;
+    EXPECT_TRUE(says(f, "with replay too noisy to tell; with")) << f.measured;
     for (const auto& row : f.tables.at(0).rows)
         for (const std::string& cell : row) EXPECT_NE(cell, "nan") << row[0];
     for (const char* metric : {"nmse", "mc_samples_per_pixel", "mc_seconds"}) {
