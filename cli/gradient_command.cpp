@@ -88,7 +88,7 @@ void log_counts(const ContributionCounts& counts, const std::string& name, const
 }
 
 void run(const GradientCommandOptions& options) {
-    if (std::filesystem::path(options.output).extension() != ".exr")
+    if (lower_extension(options.output) != ".exr")
         throw UsageError(
             fmt::format("-o: expected a file name that ends in .exr, found '{}'", options.output));
     require_writable(options.output);

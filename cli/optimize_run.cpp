@@ -169,8 +169,8 @@ void solve_first(Problem problem, const OutputFolder& output, std::optional<Chec
         run.textures[i].initial = std::move(summary.textures[i].start);
     if (!summary.searched.empty())
         run.phases.emplace_back("search for the start", summary.search_seconds);
-    phases.end("optimisation", "evaluation", summary.seconds,
-               (searches ? summary.search_seconds : 0) - earlier);
+    phases.end("optimisation", "evaluation", summary.seconds, earlier,
+               searches ? summary.search_seconds : 0);
     if (run.textures.front().truth) {
         find_evidence(run);
         phases.end("visited texels");
@@ -186,7 +186,7 @@ void solve_second(Problem problem, const OutputFolder& output, Phases& phases, R
     const std::string& folder = checkpoints.options().folder;
     if (agree(run.ranks, run.goes_on && !checkpoints_in(folder).empty()))
         from = load_checkpoint(folder, run.ranks);
-    const double told = from ? -from->run.seconds : 0;
+    const double earlier = from ? from->run.seconds : 0;
     const bool searches = !from;
     log_idle(run, run.settings.compared->estimator);
     run.compared = solve_with_progress(std::move(problem), second_options(run), checkpoints,
@@ -194,8 +194,8 @@ void solve_second(Problem problem, const OutputFolder& output, Phases& phases, R
     if (!is_first(run.ranks)) return;
     measure_errors(run.textures, *run.compared);
     const Summary& summary = run.compared->summary;
-    phases.end("second optimisation", "its evaluation", summary.seconds,
-               told + (searches ? summary.search_seconds : 0));
+    phases.end("second optimisation", "its evaluation", summary.seconds, earlier,
+               searches ? summary.search_seconds : 0);
     log_result(run, *run.compared);
 }
 

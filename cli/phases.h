@@ -13,11 +13,12 @@ class Phases {
   public:
     explicit Phases(RunResult& run) : run_(run) {}
     void end(const std::string& name) { run_.phases.emplace_back(name, watch_.lap()); }
-    /// A phase of which so many seconds are `first`, the others `second`, without `told` ones that
-    /// were named before.
-    void end(const std::string& first, const std::string& second, double seconds, double told) {
+    /// A phase of which so many seconds are `first`, the others `second`. `earlier` of the former
+    /// passed in processes before this one; `named` of the phase have a name of their own.
+    void end(const std::string& first, const std::string& second, double seconds, double earlier,
+             double named) {
         run_.phases.emplace_back(first, seconds);
-        run_.phases.emplace_back(second, watch_.lap() - seconds - told);
+        run_.phases.emplace_back(second, watch_.lap() - (seconds - earlier) - named);
     }
 
   private:

@@ -8,7 +8,7 @@
 #include <string>
 #include <thread>
 
-#include "render/render.h"
+#include "burnish/renderer.h"
 
 namespace burnish {
 
@@ -46,7 +46,7 @@ class ProgressLine {
     std::optional<Heard> first_;  ///< share that it has heard
 };
 
-/// For render(): shows the share that is done. The line must outlive it.
+/// Shows the share that is done. The line must outlive it.
 inline Progress progress_of(ProgressLine& line) {
     return [&line](double share) { line.show_share(share); };
 }

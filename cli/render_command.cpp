@@ -28,7 +28,7 @@ struct RenderOptions {
 };
 
 void require_image_name(const std::filesystem::path& file) {
-    const std::string extension = file.extension().string();
+    const std::string extension = lower_extension(file);
     if (extension != ".exr" && extension != ".pfm" && extension != ".png")
         throw UsageError(fmt::format(
             "-o: expected a file name that ends in .exr, .pfm or .png, found '{}'", file.string()));
@@ -54,7 +54,7 @@ Image formatted(Image image, const Renderer& renderer, const RenderOptions& opti
         format == PixelFormat::kLuminance || format == PixelFormat::kLuminanceAlpha;
     if (is_gray) image = with_channels(std::move(image), 1);
     if (format != PixelFormat::kRgba && format != PixelFormat::kLuminanceAlpha) return image;
-    if (std::filesystem::path(options.output).extension() == ".pfm") {
+    if (lower_extension(options.output) == ".pfm") {
         log_info("note: PFM has no alpha, the film's is left out");
         return image;
     }

@@ -25,7 +25,7 @@ std::string reproduction_json(const Reproduction& run);
 /// experiment,scene,variant,metric,value
 std::string reproduction_csv(const Reproduction& run);
 
-/// "holds", "holds in part", "does not hold", "shown".
+/// "holds", "holds in part", "does not hold", "undecided", "shown".
 const char* name_of(Verdict verdict);
 
 }  // namespace burnish

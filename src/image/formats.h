@@ -52,8 +52,9 @@ enum class ExrColors { kRec709, kAsStored };
 /// layer, or the only one.
 ImageFile read_exr(const std::filesystem::path& file, ExrColors colors);
 
-/// 32-bit float, ZIP; channel Y or R, G, B.
+/// 32-bit float, ZIP; channels Y or R, G, B, and A of an image of two or four.
 std::string encode_exr(const Image& image);
+/// Of one channel or three.
 std::string encode_pfm(const Image& image);
 
 }  // namespace burnish::formats

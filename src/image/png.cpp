@@ -183,8 +183,10 @@ std::string encode_png(const CodedImage& image) {
     // Compresses four times as fast to a tenth more bytes.
     png.flags = (image.srgb ? 0 : PNG_IMAGE_FLAG_COLORSPACE_NOT_sRGB) | PNG_IMAGE_FLAG_FAST;
     if (channels < 1 || channels > 4 || image.codes.empty())
-        throw InputError("an image of " + std::to_string(image.channels) +
-                         " channels cannot be written as PNG, expected 1 to 4");
+        throw InputError(fmt::format(
+            "an image of {} x {} pixels and {} channels cannot be written as PNG: expected one "
+            "pixel or more, and 1 to 4 channels",
+            image.width, image.height, image.channels));
     png_alloc_size_t size = PNG_IMAGE_PNG_SIZE_MAX(png);
     std::string bytes(size, '\0');
     if (!png_image_write_to_memory(&png, bytes.data(), &size, 0, image.codes.data(), 0, nullptr))

@@ -1,4 +1,4 @@
-// A connection over TCP on which bytes go one way, in bounded time.
+// A connection over TCP on which bytes go one way. Connecting and sending take bounded time.
 #pragma once
 
 #include <string>
@@ -15,7 +15,8 @@ Address parse_address(const std::string& text, const Address& missing);
 
 class Connection {
   public:
-    /// Throws ResourceError where nobody accepts it within two seconds.
+    /// Throws ResourceError where none of the host's addresses accepts it within two seconds each.
+    /// How long looking up its name may take is the system's choice.
     explicit Connection(const Address& address);
     ~Connection();
     Connection(const Connection&) = delete;

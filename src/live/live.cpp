@@ -53,8 +53,7 @@ struct Live::Impl {
         if (image.channels < 1 || image.channels > 4 || !is_whole(image))
             throw InputError(
                 fmt::format("the image \"{}\" has {} channels and {} values for {} x {} pixels: "
-                            "expected 1 to 4 "
-                            "channels, and a value for each of a pixel",
+                            "expected 1 to 4 channels, and one value for each channel of a pixel",
                             name, image.channels, image.values.size(), image.width, image.height));
         sender.push({Message::Kind::kShow, title + "/" + name, shown(std::move(image))});
     }

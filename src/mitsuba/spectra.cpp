@@ -145,7 +145,7 @@ Rgbf rgb_of_spectrum(const std::string& text, SpectrumUse use, const Place& plac
 }
 
 std::string read_spectrum_file(const std::filesystem::path& file) {
-    std::istringstream lines(read_bytes(file));
+    std::istringstream lines(read_text_bytes(file));
     Place place{file.string(), 0, 1};
     std::string pairs;
     for (std::string line; std::getline(lines, line);) {

@@ -9,8 +9,9 @@ namespace burnish::mitsuba {
 std::string snake_case(const std::string& name);
 
 /// Upgrades an element and all below it, as Mitsuba 3 does: names in camel case, diffuse's
-/// `diffuse_reflectance`, a texture's offsets and scales, <lookAt>; and filters of bitmaps that
-/// Mitsuba 3 no longer has.
+/// `diffuse_reflectance`, a texture's offsets and scales, <lookAt>, the scale of a bump map's
+/// texture, which becomes the map's, a bitmap's gamma of 1, which becomes `raw`, the version of a
+/// scene; and filters of bitmaps that Mitsuba 3 no longer has.
 void upgrade(Node& node);
 
 /// Puts plugins that Mitsuba 3 has in the place of those that are read as them, in an element and

@@ -194,10 +194,6 @@ void read_children(Parser& parser, const Lines& lines, const pugi::xml_node& xml
     }
 }
 
-std::string without_byte_order_mark(std::string text) {
-    return text.starts_with("\xef\xbb\xbf") ? text.substr(3) : text;
-}
-
 Node read_file(Parser& parser, const fs::path& file, const std::string& shown, const Place* from) {
     const fs::path key = real_path(file);
     if (from && std::find(parser.open_files.begin(), parser.open_files.end(), key) !=
@@ -209,7 +205,7 @@ Node read_file(Parser& parser, const fs::path& file, const std::string& shown, c
         fail(*from, fmt::format("the scene includes more than {} files", kMaxFiles - 1));
     parser.open_files.push_back(key);
 
-    const std::string text = without_byte_order_mark(read_bytes(file));
+    const std::string text = read_text_bytes(file);
     const Lines lines(shown, text);
     pugi::xml_document xml;
     const pugi::xml_parse_result result =

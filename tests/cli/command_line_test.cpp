@@ -43,7 +43,9 @@ TEST_F(CommandLine, RendersTheSameBytesForAnyNumberOfThreads) {
     ASSERT_EQ(run("render scene.xml -o a.exr --threads 1").code, 0);
     ASSERT_EQ(run("render scene.xml -o b.exr --threads 3").code, 0);
     ASSERT_EQ(run("render scene.xml -o c.exr --seed 1").code, 0);
+    ASSERT_EQ(run("render scene.xml -o D.EXR").code, 0);
     EXPECT_EQ(read_text(folder / "a.exr"), read_text(folder / "b.exr"));
+    EXPECT_EQ(read_text(folder / "a.exr"), read_text(folder / "D.EXR"));
     EXPECT_NE(read_text(folder / "a.exr"), read_text(folder / "c.exr"));
 }
 
@@ -198,12 +200,12 @@ TEST_F(CommandLine, GradientIsThatOfTheLibrary) {
     const Image ones = make_image(24, 24, 3, 1.0f);
     write_image(folder / "ones.exr", ones);
     const Outcome outcome = run(
-        "gradient scene.xml --parameter base_color --adjoint ones.exr --spp 6 --seed 3 -o g.exr");
+        "gradient scene.xml --parameter base_color --adjoint ones.exr --spp 6 --seed 3 -o g.EXR");
     ASSERT_EQ(outcome.code, 0) << outcome.err;
     EXPECT_TRUE(contains(outcome.err, "0 contributions were not finite")) << outcome.err;
     const Renderer renderer = Renderer::load(folder / "scene.xml");
     const GradientOptions options{.samples = 6, .seed = 3};
-    EXPECT_EQ(read_image(folder / "g.exr"),
+    EXPECT_EQ(read_image(folder / "g.EXR"),
               estimate_gradient(renderer, {"base_color"}, ones, options)[0]);
 }
 

@@ -279,6 +279,10 @@ TEST(Language, SpectraInFilesAreThoseOfTheirPairs) {
     };
     const Rgbf pairs = intensity("value='400:0, 500:8, 600:15.6, 700:18.4'");
     EXPECT_EQ(intensity("filename='lamp.spd'"), pairs);
+    write_text(folder, "lamp.spd",
+               "\xEF\xBB\xBF"
+               "400 0\n500 8\n600 15.6\n700 18.4");
+    EXPECT_EQ(intensity("filename='lamp.spd'"), pairs);
     write_text(folder, "lamp.spd", "400 1\n500 1 2\n");
     const std::string message = error_of(folder.path / "scene.xml");
     EXPECT_NE(message.find("lamp.spd:2:1: found 3 numbers, expected a wavelength and a value"),
