@@ -284,6 +284,12 @@ void bind_renderer(nb::module_& m) {
             return compute([=](const Flag&) { return renderer.with_lighting(lighting); });
         },
         nb::arg("lighting"), "The same scene under other lights.");
+    c.def(
+        "__copy__", [](nb::handle self) { return nb::borrow(self); },
+        nb::sig("def __copy__(self) -> Renderer"));
+    c.def(
+        "__deepcopy__", [](nb::handle self, nb::handle) { return nb::borrow(self); },
+        nb::arg("memo"), nb::sig("def __deepcopy__(self, memo: object) -> Renderer"));
     c.def("__repr__", [](const Renderer& r) {
         return fmt::format("Renderer({} x {} pixels, {} parameters)", r.width(), r.height(),
                            r.parameters().size());

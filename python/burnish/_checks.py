@@ -1,10 +1,19 @@
-"""What is checked before the renderer is called: shapes and whole numbers, for PyTorch and JAX."""
+"""What is checked before the renderer is called: types, shapes and whole numbers, for PyTorch and JAX."""
 from __future__ import annotations
 
 import operator
+from collections.abc import Mapping
 from typing import SupportsIndex
 
 from ._core import InputError, Renderer
+
+
+def check_kinds(renderer: object, textures: object) -> None:
+    """Of the arguments that are mixed up most easily. Throws TypeError."""
+    if not isinstance(renderer, Renderer):
+        raise TypeError(f"renderer: expected a Renderer, found {type(renderer).__name__}")
+    if not isinstance(textures, Mapping):
+        raise TypeError(f"textures: expected a mapping from names, found {type(textures).__name__}")
 
 
 def whole_number(name: str, value: SupportsIndex, low: int) -> int:

@@ -15,7 +15,7 @@ import numpy as np
 import numpy.typing as npt
 from jax.custom_derivatives import SymbolicZero
 
-from ._checks import full_shape, whole_number
+from ._checks import check_kinds, full_shape, whole_number
 from ._core import InputError, Renderer
 
 __all__ = ["render"]
@@ -136,6 +136,7 @@ def render(
     give each step another one. Throws InputError or TypeError at the call, in jit, too, where a name, a shape, a type
     or a number of samples does not fit.
     """
+    check_kinds(renderer, textures)
     _check_names(renderer, textures)
     arrays = {name: _full(renderer, name, jnp.asarray(t)) for name, t in textures.items()}
     samples = whole_number("spp", spp, 1)

@@ -12,9 +12,8 @@ from typing import Any
 
 import numpy.typing as npt
 import torch
-from torch.autograd.function import once_differentiable
 
-from ._checks import full_shape, whole_number
+from ._checks import check_kinds, full_shape, whole_number
 from ._core import Renderer
 
 __all__ = ["render"]
@@ -22,7 +21,7 @@ __all__ = ["render"]
 
 def _array(tensor: torch.Tensor) -> npt.NDArray[Any]:
     """Of any type: numpy has no bfloat16."""
-    own = tensor.detach().cpu()
+    own = tensor.detach().cpu().resolve_neg()
     return (own.float() if own.is_floating_point() else own).numpy()
 
 
@@ -50,17 +49,29 @@ class _Render(torch.autograd.Function):
         return picture.to(floating[0]) if floating else picture
 
     @staticmethod
-    @once_differentiable  # type: ignore[misc,untyped-decorator,unused-ignore]
     def backward(ctx: Any, *adjoints: torch.Tensor) -> tuple[torch.Tensor | None, ...]:
         textures = ctx.saved_tensors  # raises where one was changed in place
         wanted = [name for name, needed in zip(ctx.names, ctx.needs_input_grad[5:]) if needed]
-        values, adjoint = _values(ctx.names, textures), _array(adjoints[0])
-        gradients = ctx.renderer.gradient(adjoint, wanted, values, ctx.gradient_spp, ctx.seed) if wanted else {}
-        found: list[torch.Tensor | None] = [
-            torch.from_numpy(gradients[name]).reshape(t.shape).to(t) if name in gradients else None
-            for name, t in zip(ctx.names, textures)
-        ]
-        return (None, None, None, None, None, *found)
+        found = _Gradient.apply(ctx.renderer, ctx.names, wanted, ctx.gradient_spp, ctx.seed, adjoints[0], *textures)
+        gradients = dict(zip(wanted, found))
+        return (None, None, None, None, None, *map(gradients.get, ctx.names))
+
+
+class _Gradient(torch.autograd.Function):
+    """A function of the adjoint and the textures: who differentiates it meets an error, not a derivative of 0."""
+
+    @staticmethod
+    def forward(
+        ctx: Any, renderer: Renderer, names: tuple[str, ...], wanted: list[str], spp: int, seed: int,
+        adjoint: torch.Tensor, *textures: torch.Tensor
+    ) -> tuple[torch.Tensor, ...]:
+        own = dict(zip(names, textures))
+        gradients = renderer.gradient(_array(adjoint), wanted, _values(names, textures), spp, seed)
+        return tuple(torch.from_numpy(gradients[n]).reshape(own[n].shape).to(own[n]) for n in wanted)
+
+    @staticmethod
+    def backward(ctx: Any, *adjoints: torch.Tensor) -> tuple[torch.Tensor | None, ...]:
+        raise RuntimeError("burnish.torch.render has no second derivatives")
 
 
 def render(
@@ -77,6 +88,7 @@ def render(
     give each step another one. The picture has the type and the device of the first texture of floating-point numbers.
     Tensors of a GPU are copied: the work is done by the CPU. There are no second derivatives.
     """
+    check_kinds(renderer, textures)
     for name, texture in textures.items():
         if not isinstance(texture, torch.Tensor):
             raise TypeError(f"{name}: expected a tensor, found {type(texture).__name__}")

@@ -29,6 +29,12 @@ def test_copies_are_equal(value):
         assert other == value and other is not value and type(other) is type(value)
 
 
+def test_the_copy_of_a_renderer_is_the_renderer(renderer):
+    assert copy.copy(renderer) is renderer and copy.deepcopy([renderer])[0] is renderer
+    with pytest.raises(TypeError):
+        pickle.dumps(renderer)
+
+
 @pytest.mark.parametrize("view", [
     burnish.View(IMAGE), burnish.View(IMAGE, np.ones((2, 4)), "left", burnish.Camera(4, 2, 5), burnish.Lighting(["lamp"], ENVIRONMENT), "fit_rgb", True),
     burnish.View(IMAGE, camera=burnish.Sensor(1), exposure=(0.1, 2, 3)),

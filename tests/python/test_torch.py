@@ -129,11 +129,27 @@ def test_texels_that_were_changed_since_are_not_used_silently(renderer, torch):
 def test_there_are_no_second_derivatives(renderer, torch):
     import burnish.torch
 
-    texels = torch.full((32, 32, 1), 0.4, requires_grad=True)
-    loss = (burnish.torch.render(renderer, {NAME: texels}, spp=1) ** 2).sum()
-    [gradient] = torch.autograd.grad(loss, texels, create_graph=True)
-    with pytest.raises(RuntimeError, match="once_differentiable"):
-        gradient.sum().backward()
+    def loss(texels):
+        return (burnish.torch.render(renderer, {NAME: texels}, spp=1) ** 2).sum()
+
+    weight = torch.tensor(0.2, requires_grad=True)
+    for texels in [weight, torch.sigmoid(weight)]:
+        [gradient] = torch.autograd.grad(loss(texels), weight, create_graph=True)
+        with pytest.raises(RuntimeError, match="no second derivatives"):
+            torch.autograd.grad(gradient, weight, retain_graph=True)
+        with pytest.raises(RuntimeError, match="no second derivatives"):
+            gradient.backward()
+    with pytest.raises(RuntimeError, match="no second derivatives"):
+        torch.autograd.functional.hessian(loss, torch.tensor(0.4))
+
+
+def test_tensors_that_are_stored_negated_are_taken(renderer, torch):
+    import burnish.torch
+
+    stored = torch.complex(torch.zeros(32, 32, 1), torch.full((32, 32, 1), -0.4)).conj().imag
+    assert stored.is_neg()
+    own, other = (burnish.torch.render(renderer, {NAME: t}, spp=1) for t in (stored, stored.clone()))
+    assert torch.equal(own, other)
 
 
 def test_what_does_not_fit_is_said(renderer, torch):
@@ -145,6 +161,10 @@ def test_what_does_not_fit_is_said(renderer, torch):
             burnish.torch.render(renderer, {NAME: texels}, **options)
     with pytest.raises(TypeError, match="^gradient_spp: expected a whole number from 1 "):
         burnish.torch.render(renderer, {NAME: texels}, spp=1, gradient_spp=1.5)
+    with pytest.raises(TypeError, match="^textures: expected a mapping from names, found Tensor"):
+        burnish.torch.render(renderer, texels)
+    with pytest.raises(TypeError, match="^renderer: expected a Renderer, found str"):
+        burnish.torch.render("scene.xml", {NAME: texels})
     with pytest.raises(TypeError, match=f"{NAME}: expected a tensor, found float"):
         burnish.torch.render(renderer, {NAME: 0.4}, spp=1)
     whole = {NAME: torch.ones(32, 32, dtype=torch.int32), "mat-goblet.base_color": torch.full((32, 32, 3), 0.4, dtype=torch.float64)}
