@@ -54,6 +54,9 @@ def go_on_with_mitsuba() -> None:
     if importlib.util.find_spec("mitsuba") and "DRJIT_LIBLLVM_PATH" in os.environ:
         return
     python = interpreter_with_mitsuba()
+    if python is None and {"-h", "--help"} & set(sys.argv):
+        print(sys.modules["__main__"].__doc__)
+        sys.exit(0)
     if python is None:
         sys.exit(f"bench: no Python with mitsuba and numpy: set {NAMED} to one (pip install {MITSUBA} numpy)")
     os.execve(python, [python, *sys.argv], os.environ | {"DRJIT_LIBLLVM_PATH": llvm()})

@@ -115,7 +115,8 @@ void run_batch(const BatchOptions& options, const Ranks& ranks) {
         if (agree(ranks, interrupted())) throw Suspended(kGoesOn);
     }
     if (failed > 0)
-        throw BatchFailed(first, fmt::format("{} of {} jobs failed", failed, part.size()));
+        throw BatchFailed(first,
+                          fmt::format("{} of {} failed", failed, count_text(part.size(), "job")));
     if (output_error != 0) throw UnprintedLine(output_error, std::generic_category());
 }
 

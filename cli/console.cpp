@@ -158,4 +158,9 @@ std::string count_text(std::size_t count) {
     return text;
 }
 
+std::string count_text(std::size_t count, const std::string& one, const std::string& more) {
+    const std::string plural = more.empty() ? one + "s" : more;
+    return count_text(count) + " " + (count == 1 ? one : plural);
+}
+
 }  // namespace burnish

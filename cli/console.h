@@ -45,5 +45,7 @@ std::string percent_text(double share);
 std::string bytes_text(double bytes);
 /// 12345678 as "12 345 678".
 std::string count_text(std::size_t count);
+/// "1 view", "12 345 views", "2 meshes". more: the plural where it is not `one` with an s.
+std::string count_text(std::size_t count, const std::string& one, const std::string& more = {});
 
 }  // namespace burnish

@@ -11,6 +11,7 @@
 #include <set>
 #include <utility>
 
+#include "cli/console.h"
 #include "cli/findings.h"
 #include "cli/mesh_check.h"
 #include "core/parallel.h"
@@ -103,7 +104,7 @@ std::string sharing_shapes(const std::vector<TextureReader>& readers, const UvTr
     const std::size_t others = names.size() - std::min<std::size_t>(names.size(), 2);
     names.resize(names.size() - others);
     if (others == 0) return fmt::format("{}", fmt::join(names, " and "));
-    return fmt::format("{} and {} other{}", fmt::join(names, ", "), others, others == 1 ? "" : "s");
+    return fmt::format("{} and {}", fmt::join(names, ", "), count_text(others, "other"));
 }
 
 }  // namespace

@@ -148,15 +148,16 @@ void print_text(const std::string& file, const LoadedScene& loaded, const SceneF
     const Film& film = scene.film;
     const Vec3f eye = transform_point(scene.camera.to_world, {0, 0, 0});
     show_text("{}\n", file);
-    show_text("  film     {} x {} pixels, {} filter, {} samples per pixel\n", film.crop_width,
-              film.crop_height, name_of(film.filter.kind), scene.sample_count);
+    show_text("  film     {} x {} pixels, {} filter, {} per pixel\n", film.crop_width,
+              film.crop_height, name_of(film.filter.kind),
+              count_text(static_cast<std::size_t>(scene.sample_count), "sample"));
     show_text("  camera   at ({:.4g}, {:.4g}, {:.4g}), {}\n", eye.x, eye.y, eye.z,
               view_text(scene.camera));
-    show_text(
-        "  shapes   {} meshes, {} spheres, {} disks, {} cylinders, {} instances; {} triangles, "
-        "{} vertices\n",
-        facts.meshes, facts.spheres, facts.disks, facts.cylinders, facts.instances,
-        count_text(facts.triangles), count_text(facts.vertices));
+    show_text("  shapes   {}, {}, {}, {}, {}; {}, {}\n", count_text(facts.meshes, "mesh", "meshes"),
+              count_text(facts.spheres, "sphere"), count_text(facts.disks, "disk"),
+              count_text(facts.cylinders, "cylinder"), count_text(facts.instances, "instance"),
+              count_text(facts.triangles, "triangle"),
+              count_text(facts.vertices, "vertex", "vertices"));
     show_text("  memory   about {} once it is ready\n", bytes_text(facts.memory));
     show_text("  time     about {} for one sample per pixel\n", short_duration_text(facts.seconds));
     print_parameters(facts);

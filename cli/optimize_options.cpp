@@ -131,12 +131,18 @@ void add_help_all(CLI::App& command) {
 Given parse_set(const std::string& text) {
     const auto [name, value] = split_assignment("--set", text);
     Given g{"--set " + name, {name}, {value}};
+    bool is_pair = false;
     try {
-        if (const std::size_t at = value.find_first_of(" x,");
-            find_setting(name).is_pair && at != std::string::npos)
-            g.values = {value.substr(0, at), value.substr(at + 1)};
+        is_pair = find_setting(name).is_pair;
     } catch (const InputError& error) {
         throw UsageError(std::string("--set: ") + error.what());
+    }
+    if (is_pair) {
+        const std::size_t at = value.find_first_of(" x,");
+        if (at == std::string::npos)
+            throw UsageError(
+                fmt::format("{}: expected two values, as 640,480, found '{}'", g.label, value));
+        g.values = {value.substr(0, at), value.substr(at + 1)};
     }
     for (const std::string& v : g.values)
         if (const std::string wrong = complaint(name, v); !wrong.empty())
@@ -227,8 +233,6 @@ void check_run(const Settings& settings) {
     if (run.parameters.empty())
         throw UsageError("--parameter: expected the name of a texture to recover; `burnish info " +
                          shell_word(run.scene) + "` lists them");
-    if (run.size.size() != 0 && run.size.size() != 2)
-        throw UsageError("scene.size: expected a width and a height");
     if (!parse_exposure(run.exposure))
         throw UsageError(fmt::format("--exposure: expected fit, fit_rgb or {}, found '{}'",
                                      kPositiveFloat, run.exposure));

@@ -67,9 +67,9 @@ double bytes_of_textures(const RunResult& run) {
 void log_result(const RunResult& run, const EvaluatedRun& evaluated) {
     const Summary& s = evaluated.summary;
     std::string text =
-        fmt::format("{}: loss {:.4g} -> {:.4g} in {} iterations, {}{}", name_of(evaluated),
-                    loss_without_noise(s.start), loss_without_noise(s.result), s.counts.iterations,
-                    duration_text(s.seconds),
+        fmt::format("{}: loss {:.4g} -> {:.4g} in {}, {}{}", name_of(evaluated),
+                    loss_without_noise(s.start), loss_without_noise(s.result),
+                    count_text(s.counts.iterations, "iteration"), duration_text(s.seconds),
                     s.ending == Ending::kCancelled  ? " (ended by a signal)"
                     : s.ending == Ending::kPatience ? " (the loss fell no longer)"
                                                     : "");

@@ -137,11 +137,12 @@ void log_idle(const RunResult& run, const Estimator& estimator) {
 
 void log_start(const RunResult& run) {
     for (const TargetTexture& t : run.textures)
-        log_info(fmt::format("recovering {} ({} x {}, {} channel{}), learning rate {:g}", t.name,
-                             t.initial.width, t.initial.height, t.initial.channels,
-                             t.initial.channels == 1 ? "" : "s", t.learning_rate));
+        log_info(fmt::format("recovering {} ({} x {}, {}), learning rate {:g}", t.name,
+                             t.initial.width, t.initial.height,
+                             count_text(static_cast<std::size_t>(t.initial.channels), "channel"),
+                             t.learning_rate));
     if (run.views.size() > 1)
-        log_info(fmt::format("{} views to fit, {} held out", fitted_count(run),
+        log_info(fmt::format("{} to fit, {} held out", count_text(fitted_count(run), "view"),
                              run.views.size() - fitted_count(run)));
     if (!run.kept_text.empty())
         log_info(fmt::format("path cache: {} pixels can see an unknown; {}",

@@ -21,9 +21,11 @@ This page is printed by `burnish options --markdown`.
 Every option has a dotted name. `--set NAME=VALUE` sets it, `--options FILE.json` reads several from a file
 (`{"path_cache": {"window": 8}, "stop.iterations": 100}`), and options that are used most have a flag of their own.
 Later settings win: defaults, then the file, then the command line; of two `--set` of one option the later, but those of
-an option that is repeatable are taken together, in the place of the file's. A flag and `--set` of one option are an
-error, and so is an option that the others rule out. A `summary.json` can be given as the file: it holds the settings
-that repeat its run to the byte.
+an option that is repeatable are taken together, in the place of the file's. Two values are written with a comma,
+`--set scene.size=640,480`, in a file as an array. A flag and `--set` of one option are an error, and so is an option
+that the others rule out; one of a file need only have an effect in the file, so that `--estimator mc` beside it drops
+what it says of another estimator. A `summary.json` can be given as the file: it holds the settings that repeat its run
+to the byte.
 
 In C++, `burnish::Options` has the fields of the same names; the `scene`, `problem` and `run` groups belong to the
 command line.
@@ -46,7 +48,8 @@ std::string entry(const Setting& s) {
     std::string text = fmt::format("- **`{}`**", s.info.name);
     if (*s.info.flag) text += fmt::format(" (`{}`)", s.info.flag);
     text += fmt::format(": {}.", escaped(s.info.sentence));
-    if (s.expected != "a text") text += fmt::format(" Takes {}", s.expected);
+    if (s.expected != "a text")
+        text += fmt::format(" Takes {}{}", s.is_pair ? "two values, each " : "", s.expected);
     if (s.expected != "a text" && *s.info.unit) text += fmt::format(", in {}", s.info.unit);
     if (s.expected != "a text") text += ".";
     if (!s.default_value.empty()) text += fmt::format(" Default: `{}`.", s.default_value);

@@ -83,8 +83,9 @@ void run(const RenderOptions& options) {
         renderer, options, samples);
     require_finite(image, "the image", "lights of the scene are too bright for single precision");
     write_image(options.output, image);
-    log_info(fmt::format("{}: {} x {} pixels, {} samples per pixel, {}", options.output,
-                         image.width, image.height, samples, duration_text(watch.total())));
+    log_info(fmt::format("{}: {} x {} pixels, {} per pixel, {}", options.output, image.width,
+                         image.height, count_text(samples, "sample"),
+                         duration_text(watch.total())));
 }
 
 }  // namespace

@@ -71,9 +71,8 @@ std::string search_section(const RunResult& run) {
     html += "</div>\n";
     for (const SearchedAgain& again : s.searched_again)
         html += fmt::format(
-            "<p class=\"note\">Searched again before iteration {}: {} texel{} took other "
-            "values.</p>\n",
-            again.iteration, count_text(again.texels), again.texels == 1 ? "" : "s");
+            "<p class=\"note\">Searched again before iteration {}: {} took other values.</p>\n",
+            again.iteration, count_text(again.texels, "texel"));
     return html;
 }
 

@@ -77,7 +77,8 @@ Checkpoint load_run(const OutputFolder& output, const Ranks& ranks) {
         log_warning(fmt::format("the run began with {}: with {} the bytes may be others",
                                 checkpoint.program, version_text()));
     require_files(checkpoint);
-    log_info(fmt::format("going on after {} iterations, {}", checkpoint.run.counts.iterations,
+    log_info(fmt::format("going on after {}, {}",
+                         count_text(checkpoint.run.counts.iterations, "iteration"),
                          duration_text(checkpoint.run.seconds)));
     return checkpoint;
 }

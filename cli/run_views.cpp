@@ -135,9 +135,10 @@ void mask_backgrounds(const std::vector<Renderer>& renderers, std::vector<View>&
             const double share = mask_background(renderers[i], views[i]);
             least = std::min(least, share), most = std::max(most, share);
         });
-    log_info(
-        fmt::format("left out: {:.0f} to {:.0f} % of a picture, which show no surface or its edge",
-                    100 * least, 100 * most));
+    const auto percent = [](double share) { return fmt::format("{:.0f}", 100 * share); };
+    const std::string from = percent(least), to = percent(most);
+    log_info(fmt::format("left out: {} % of a picture, which show no surface or its edge",
+                         from == to ? to : from + " to " + to));
 }
 
 }  // namespace

@@ -94,9 +94,9 @@ void warn_of_truths(RunResult& run) {
         const auto outside =
             std::ranges::count_if(t.truth->values, [](float v) { return !(v >= 0 && v <= 1); });
         if (outside == 0) continue;
-        run.warnings.push_back(fmt::format(
-            "the truth of {} holds {} value{} outside of [0, 1], which no unknown takes", t.name,
-            outside, outside == 1 ? "" : "s"));
+        run.warnings.push_back(
+            fmt::format("the truth of {} holds {} outside of [0, 1], which no unknown takes",
+                        t.name, count_text(static_cast<std::size_t>(outside), "value")));
         log_warning(run.warnings.back());
     }
 }

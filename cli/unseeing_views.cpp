@@ -6,6 +6,7 @@
 #include <algorithm>
 
 #include "burnish/error.h"
+#include "cli/console.h"
 #include "cli/inspect.h"
 #include "core/joined.h"
 #include "core/parallel.h"
@@ -75,7 +76,7 @@ std::string views_text(std::vector<std::string> names) {
     const std::size_t others = names.size() - std::min(names.size(), kNamed);
     names.resize(names.size() - others);
     std::string text = fmt::format("{}", fmt::join(names, ", "));
-    if (others > 0) text += fmt::format(" and {} other view{}", others, others == 1 ? "" : "s");
+    if (others > 0) text += " and " + count_text(others, "other view");
     return text;
 }
 

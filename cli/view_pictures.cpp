@@ -160,8 +160,7 @@ std::string decoding_text(const Photograph& p) {
     if (p.has_alpha) text += ", alpha as mask";
     text += turning_text(p);
     if (p.clipped.width > 0)
-        text += fmt::format(", {} pixel{} clipped and left out", count_text(p.clipped_pixels),
-                            p.clipped_pixels == 1 ? "" : "s");
+        text += fmt::format(", {} clipped and left out", count_text(p.clipped_pixels, "pixel"));
     return text;
 }
 

@@ -180,7 +180,7 @@ TEST_F(Batch, AFailedJobDoesNotEndTheOthersButTheStatusSaysSo) {
     EXPECT_TRUE(contains(outcome.out, "job 3 of 3: out/c: done in")) << outcome.out;
     EXPECT_TRUE(contains(outcome.err, "2 of 3 jobs failed")) << outcome.err;
     const Outcome part = run("batch jobs.json --slice 1/2");
-    EXPECT_TRUE(contains(part.err, "1 of 1 jobs failed")) << part.err;
+    EXPECT_TRUE(contains(part.err, "1 of 1 job failed")) << part.err;
 }
 
 TEST_F(Batch, GoesOnWithWhatWasStoppedToTheSameBytes) {
