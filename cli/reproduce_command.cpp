@@ -136,10 +136,17 @@ bool is_wanted(const CommandLine& line, const Experiment& e, const KnownTarget& 
     return line.only.empty() || contains(line.only, t.source.name + "/" + e.name);
 }
 
+bool names_scenes(const CommandLine& line) {
+    return !line.scene_names.empty() || !line.only.empty();
+}
+
+/// Throws InputError where a published scene is not there and the command line names it, or where
+/// --scenes names a folder that has none.
 std::vector<KnownTarget> find_known_scenes(const CommandLine& options) {
     std::vector<KnownTarget> targets;
     std::vector<std::string> missing;
     std::error_code ignored;
+    bool has_published = options.scenes.empty();
     for (const KnownScene& s : kScenes) {
         if (!is_wanted(options, s)) continue;
         const auto file = std::filesystem::path(options.scenes) / s.name / "scene.xml";
@@ -147,11 +154,16 @@ std::vector<KnownTarget> find_known_scenes(const CommandLine& options) {
             missing.emplace_back(s.name);
             continue;
         }
+        has_published |= !s.own;
         targets.push_back(
             {{s.name, s.own ? "" : file, s.parameter, s.learning_rate, s.confidence_cap},
              s.own,
              s.own ? nlohmann::json() : files_of(file.parent_path())});
     }
+    if (!missing.empty() && (names_scenes(options) || !has_published))
+        throw InputError(fmt::format(
+            "--scenes: found {}, expected the folder that holds {}/scene.xml",
+            options.scenes.empty() ? "none" : options.scenes, fmt::join(missing, "/scene.xml, ")));
     if (!missing.empty())
         log_info(fmt::format(
             "without the published scenes {}: --scenes names the folder that holds NAME/scene.xml",
@@ -205,21 +217,11 @@ void write_results(const Reproduction& run, OutputFolder& output) {
     move_into_place(output);
 }
 
-/// The wanted scenes, where an experiment needs any. Throws InputError where none of them is there
-/// and nothing can be done without.
+/// The wanted scenes, where an experiment needs any.
 std::vector<KnownTarget> find_targets(const CommandLine& line) {
-    bool any_needs = false, all_need = true;
-    for (const Experiment& e : experiments()) {
-        if (!is_wanted(line, e)) continue;
-        any_needs |= e.max_scenes > 0, all_need &= e.max_scenes > 0;
-    }
-    if (!any_needs) return {};
-    std::vector<KnownTarget> targets = find_known_scenes(line);
-    if (targets.empty() && all_need)
-        throw InputError(
-            "none of the wanted scenes is there: --scenes DIR names the folder of "
-            "the published ones");
-    return targets;
+    const bool any_needs = std::ranges::any_of(
+        experiments(), [&](const Experiment& e) { return is_wanted(line, e) && e.max_scenes > 0; });
+    return any_needs ? find_known_scenes(line) : std::vector<KnownTarget>{};
 }
 
 /// Every wanted experiment with its scenes, or with all that are named, experiment by experiment.

@@ -211,7 +211,8 @@ TEST_F(Robustness, FilesThatCannotBeLookedAtAreBadInput) {
         {"optimize loop --parameter base_color -o out", "loop: cannot be opened: "},
         {"optimize scene.xml --views transforms.json --parameter base_color -o out",
          "a: cannot be opened: File name too long"},
-        {"reproduce derivatives --scene tire --scenes loop -o r", "none of the wanted scenes"},
+        {"reproduce derivatives --scene tire --scenes loop -o r",
+         "--scenes: found loop, expected the folder that holds tire/scene.xml"},
     };
     for (const auto& [arguments, expected] : cases) {
         const Outcome outcome = expect_refused(arguments, 65, expected);
