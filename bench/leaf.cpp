@@ -178,10 +178,8 @@ void sobol_packet(benchmark::State& state) {
 BENCHMARK(sobol_packet);
 
 void merge_reservoirs(benchmark::State& state) {
-    const std::array<MergeInput<std::uint32_t>, 4> inputs{{{0, 0.5f, 0.4f, 1, 1},
-                                                           {1, -0.2f, -0.3f, 1, 1},
-                                                           {2, 0.1f, 0.2f, 3, 1},
-                                                           {3, 0.2f, -0.1f, 2, 1}}};
+    const std::array<MergeInput<std::uint32_t>, 4> inputs{
+        {{0, 0.5f, 0.4f, 1}, {1, -0.2f, -0.3f, 1}, {2, 0.1f, 0.2f, 3}, {3, 0.2f, -0.1f, 2}}};
     const std::array<float, 4> u{0.1f, 0.7f, 0.3f, 0.9f};
     const std::span<const MergeInput<std::uint32_t>> all(inputs);
     for (auto _ : state)

@@ -119,10 +119,10 @@ double flipping(std::uint32_t seed, std::uint32_t trial, FlipRule rule) {
         const auto current = fresh(random, kCandidates, sign, signs);
         std::vector<MergeInput<float>> now, before;
         for (const auto& r : current.slot)
-            if (r.W > 0) now.push_back({r.sample, r.q, -r.q, r.W, 1});
+            if (r.W > 0) now.push_back({r.sample, r.q, -r.q, r.W});
         for (const auto& r : kept.slot) {
             if (!(r.W > 0) || rule == FlipRule::kNone || rule == FlipRule::kDrop) continue;
-            before.push_back({r.sample, -r.q, r.q, r.W, 1});
+            before.push_back({r.sample, -r.q, r.q, r.W});
         }
         // Dropping every flipped sample drops all of this history, but not its confidence.
         const Confidence c{kCandidates, rule == FlipRule::kNone || v == 0

@@ -220,7 +220,7 @@ std::vector<Input> inputs_of(const Pair& pair, int v, Defect defect, bool histor
     std::vector<Input> inputs;
     for (const auto& r : pair.slot) {
         if (!(r.W > 0)) continue;
-        Input y{r.sample, target(v, r.sample), target(v - 1, r.sample), r.W, 1.0f};
+        Input y{r.sample, target(v, r.sample), target(v - 1, r.sample), r.W};
         if (history && defect == Defect::kDropsFlipped && y.q_now * y.q_before < 0) y.W = 0;
         if (history && defect == Defect::kRescalesW)
             y.W *= candidate_pdf(v - 1, r.sample) / candidate_pdf(v, r.sample);

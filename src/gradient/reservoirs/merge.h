@@ -1,5 +1,9 @@
 // Reuse across iterations: the current reservoirs of a parameter and those of the iteration before
 // become one pair [PR eq. 12-13, alg. 3]. Generic in the sample.
+//
+// Both shifts have |dT/dx| = 1 (replay in primary-sample space, identity in path space), so it is
+// left out here. A shift with another one needs it in `offer` and, with q_before, in the weights
+// [PR eq. 8, 10].
 #pragma once
 
 #include <algorithm>
@@ -17,9 +21,7 @@ struct MergeInput {
     float q_now = 0;  ///< q_v(y), signed
     float q_before =
         0;  ///< q_{v-1}(y): under the textures and the adjoint of the iteration before, signed
-    float W = 0;         ///< of x; 0: no sample
-    float jacobian = 1;  ///< |dT/dx| of a sample of the history; 1 for current samples and for both
-                         ///< shifts we have
+    float W = 0;  ///< of x; 0: no sample
 };
 
 /// Confidence weights: candidates behind each side. They count every pass of every iteration,
@@ -70,7 +72,7 @@ ReservoirPair<Sample> merge(std::span<const MergeInput<Sample>> current,
     ReservoirPairBuilder<Sample> builder;
     std::size_t next = 0;
     const auto offer = [&](const MergeInput<Sample>& y, double m) {
-        const double w = m * std::fabs(double{y.q_now}) * double{y.W} * double{y.jacobian};
+        const double w = m * std::fabs(double{y.q_now}) * double{y.W};
         update(builder.slot[slot_of(signs, y.q_now)], y.sample, y.q_now, w, u[next++]);
     };
     for (const auto& y : current)

@@ -107,7 +107,7 @@ void merge_texel(Samples current, Samples history, const Iteration& iteration, M
     Index count = 0;
     for (; count < current.size() + history.size(); ++count) {
         const ShiftedSample& s = sample_at(count);
-        inputs[count] = {count, s.sample.q, s.q_before, s.sample.W, 1.0f};
+        inputs[count] = {count, s.sample.q, s.q_before, s.sample.W};
         out.rejected += !std::isfinite(s.sample.W);  // such a sample is never kept
     }
     const std::span<const MergeInput<Index>> all(inputs.data(), count);
