@@ -107,13 +107,13 @@ TracedPaths join(const std::vector<TracedPaths>& chunks) {
 
 /// Calls trace(samples) for `count` chunks of samples in parallel, and joins what they bring.
 /// samples_of: of a chunk's index.
-TracedPaths trace_chunks(const TraceInput& input, const Binding* keep_vertices, std::size_t count,
+TracedPaths trace_chunks(const TraceInput& input, const Binding* vertices_under, std::size_t count,
                          const auto& samples_of) {
-    const bool chains = keep_vertices && has_bounces(*input.scene->scene);
+    const bool chains = vertices_under && has_bounces(*input.scene->scene);
     std::vector<TracedPaths> chunks(count);
     parallel_for(count, [&](std::size_t c) {
         const auto& samples = samples_of(c);
-        chunks[c] = chains ? trace_chunk_of_chains(input, *keep_vertices, samples)
+        chunks[c] = chains ? trace_chunk_of_chains(input, *vertices_under, samples)
                            : trace_chunk(input, samples);
     });
     return join(chunks);
@@ -132,7 +132,7 @@ std::vector<BatchSample> trial_samples(std::span<const char> pixels, std::size_t
 }
 
 TracedPaths trace_paths(const TraceInput& input, std::uint32_t iteration, std::uint32_t passes,
-                        const Binding* keep_vertices) {
+                        const Binding* vertices_under) {
     // Batches are blocks of 32 x 32 pixels of one pass: neighbours share packets and texels.
     const Film& film = input.scene->film;
     constexpr int kBlock = 32;
@@ -140,7 +140,7 @@ TracedPaths trace_paths(const TraceInput& input, std::uint32_t iteration, std::u
     const int columns = (film.crop_width + kBlock - 1) / kBlock,
               rows = (film.crop_height + kBlock - 1) / kBlock;
     const std::size_t blocks = static_cast<std::size_t>(columns * rows);
-    return trace_chunks(input, keep_vertices, blocks * passes, [&](std::size_t c) {
+    return trace_chunks(input, vertices_under, blocks * passes, [&](std::size_t c) {
         const auto pass = static_cast<std::uint32_t>(c / blocks);
         const int bx = static_cast<int>(c % blocks) % columns * kBlock,
                   by = static_cast<int>(c % blocks) / columns * kBlock;
@@ -154,9 +154,9 @@ TracedPaths trace_paths(const TraceInput& input, std::uint32_t iteration, std::u
 }
 
 TracedPaths trace_paths(const TraceInput& input, std::span<const BatchSample> samples,
-                        const Binding* keep_vertices) {
+                        const Binding* vertices_under) {
     const std::size_t chunks = chunks_of(samples.size(), kBatchSamples);
-    return trace_chunks(input, keep_vertices, chunks, [&](std::size_t c) {
+    return trace_chunks(input, vertices_under, chunks, [&](std::size_t c) {
         const std::size_t begin = c * kBatchSamples;
         return samples.subspan(begin, std::min<std::size_t>(kBatchSamples, samples.size() - begin));
     });
@@ -235,11 +235,10 @@ std::uint32_t passes_per_iteration(const Sampling& sampling) {
     return sampling.adaptive ? kMaxOfMean * sampling.samples_per_pixel : sampling.samples_per_pixel;
 }
 
-PassTaps derivative_taps(const Binding& binding, const Sampling& sampling, std::uint32_t first,
+PassTaps derivative_taps(const Binding& binding, const Sampling& sampling,
                          std::uint32_t iteration) {
-    const std::uint32_t end = first_pass(sampling, iteration + 1);
-    return pass_taps(binding.film().filter, {sampling.seed, Stream::kDerivative}, first,
-                     end - first);
+    return pass_taps(binding.film().filter, {sampling.seed, Stream::kDerivative},
+                     first_pass(sampling, iteration), passes_per_iteration(sampling));
 }
 
 Integrand make_integrand(const Binding& binding, const Image& normalized_adjoint,
@@ -251,7 +250,7 @@ Integrand make_integrand(const Binding& binding, const Image& normalized_adjoint
 
 namespace {
 
-const Binding* keep_vertices(const Integrand& integrand, const Sampling& sampling) {
+const Binding* vertices_under(const Integrand& integrand, const Sampling& sampling) {
     return sampling.keep_vertices ? integrand.derivative.binding : nullptr;
 }
 
@@ -259,7 +258,7 @@ const Binding* keep_vertices(const Integrand& integrand, const Sampling& samplin
 Candidates draw_uniform(const Integrand& integrand, std::uint32_t iteration,
                         const Sampling& sampling) {
     TracedPaths traced = trace_paths(integrand.trace, iteration, sampling.samples_per_pixel,
-                                     keep_vertices(integrand, sampling));
+                                     vertices_under(integrand, sampling));
     for (TracedPath& p : traced.paths) p.share = 1 / static_cast<float>(sampling.samples_per_pixel);
     return make_candidates(integrand.derivative, std::move(traced));
 }
@@ -274,7 +273,7 @@ Candidates draw_adaptive(const Integrand& integrand, std::uint32_t iteration,
                          static_cast<float>(sampling.samples_per_pixel), statistics);
     const auto samples = choose_samples(binding.film(), expected, sampling.seed, iteration,
                                         passes_per_iteration(sampling));
-    TracedPaths traced = trace_paths(integrand.trace, samples, keep_vertices(integrand, sampling));
+    TracedPaths traced = trace_paths(integrand.trace, samples, vertices_under(integrand, sampling));
     for (TracedPath& p : traced.paths) p.share = 1 / expected[p.record.pixel];
     Candidates candidates = make_candidates(integrand.derivative, std::move(traced));
     update_statistics(samples, candidates.squares, statistics);

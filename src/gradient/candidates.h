@@ -30,9 +30,8 @@ struct Sampling {
 /// The film passes that an iteration's samples may take.
 std::uint32_t passes_per_iteration(const Sampling& sampling);
 
-/// The filter's taps of the passes [first, those of `iteration` inclusive].
-PassTaps derivative_taps(const Binding& binding, const Sampling& sampling, std::uint32_t first,
-                         std::uint32_t iteration);
+/// The filter's taps of an iteration's passes.
+PassTaps derivative_taps(const Binding& binding, const Sampling& sampling, std::uint32_t iteration);
 /// The first film pass of an iteration.
 inline std::uint32_t first_pass(const Sampling& sampling, std::uint32_t iteration) {
     return iteration * passes_per_iteration(sampling);
@@ -66,15 +65,15 @@ struct TracedPaths {
     std::size_t rejected = 0;        ///< samples that were not finite
 };
 
-/// All samples of the passes of an iteration that meet an unknown. keep_vertices: where light
-/// bounces, paths to one light each; the textures that `input` traces under. Null: samples that
-/// hold the rest of their path.
+/// All samples of the passes of an iteration that meet an unknown. vertices_under: where light
+/// bounces, these become paths to one light each, with f of their vertices under its textures,
+/// which must be those that `input` traces under; null: samples that hold the rest of their path.
 TracedPaths trace_paths(const TraceInput& input, std::uint32_t iteration, std::uint32_t passes,
-                        const Binding* keep_vertices = nullptr);
+                        const Binding* vertices_under = nullptr);
 
 /// The same for camera samples that were chosen otherwise; neighbours should follow one another.
 TracedPaths trace_paths(const TraceInput& input, std::span<const BatchSample> samples,
-                        const Binding* keep_vertices = nullptr);
+                        const Binding* vertices_under = nullptr);
 
 /// The records of named paths under the textures of `input`, in the order of `paths`; black where a
 /// path fails; by this thread alone. rejected: grows by those that are not finite.

@@ -31,8 +31,7 @@ GradientResult estimate_gradient(const MonteCarlo& options, const Binding& bindi
                                  MonteCarloState& state) {
     const Sampling sampling{options.samples, options.adaptive_sampling, seed};
     const Image weights = normalized_adjoint(adjoint, film_normalization(binding.film()));
-    const PassTaps taps =
-        derivative_taps(binding, sampling, first_pass(sampling, iteration), iteration);
+    const PassTaps taps = derivative_taps(binding, sampling, iteration);
     const Integrand integrand =
         make_integrand(binding, weights, taps, sampling, TargetFunction::kLuminance);
     const Candidates candidates = draw_candidates(integrand, iteration, sampling, state.pixels);

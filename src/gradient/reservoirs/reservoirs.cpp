@@ -165,7 +165,7 @@ Merged join(const std::vector<Merged>& parts) {
 PassTaps taps_alive(const Binding& binding, const Sampling& sampling, const History& history,
                     std::uint32_t iteration) {
     const std::uint32_t first = first_pass(sampling, iteration);
-    PassTaps all = derivative_taps(binding, sampling, first, iteration);
+    PassTaps all = derivative_taps(binding, sampling, iteration);
     std::uint32_t oldest = first;
     for (const HistorySample& s : history.samples) oldest = std::min(oldest, s.record.film_pass);
     std::vector<char> is_alive(first - oldest, 0);
