@@ -91,10 +91,8 @@ TracedPaths trace_chunk_of_chains(const TraceInput& input, const Binding& bindin
 
 TracedPaths join(const std::vector<TracedPaths>& chunks) {
     TracedPaths all;
-    concatenate(
-        chunks, [](const TracedPaths& c) -> auto& { return c.paths; }, all.paths);
-    concatenate(
-        chunks, [](const TracedPaths& c) -> auto& { return c.chains; }, all.chains);
+    concatenate(chunks, &TracedPaths::paths, all.paths);
+    concatenate(chunks, &TracedPaths::chains, all.chains);
     std::uint32_t first = 0;
     for (const TracedPaths& chunk : chunks) {
         for (const auto& [begin, vertex, last, technique] : chunk.places)
@@ -223,8 +221,7 @@ Candidates make_candidates(const DerivativeInput& input, TracedPaths traced) {
         all.rejected += chunk.rejected;
         if (stands_out_more(chunk.largest, all.largest)) all.largest = chunk.largest;
     }
-    concatenate(
-        chunks, [](const Candidates& c) -> auto& { return c.squares; }, all.squares);
+    concatenate(chunks, &Candidates::squares, all.squares);
     all.items = sort_by_texel(std::move(items));
     all.rejected += traced.rejected;
     all.traced = std::move(traced);

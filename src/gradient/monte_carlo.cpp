@@ -6,22 +6,14 @@ namespace burnish {
 
 namespace {
 
-TexelKey key_of(const Candidate& c) { return c.d.key; }
-
 /// The sum over all candidates of a texel, each for its share.
 std::vector<TexelGradient> sum_by_texel(const Candidates& candidates) {
     const std::vector<Candidate>& items = candidates.items;
-    const auto starts = texel_ranges(items, key_of);
-    std::vector<std::vector<TexelGradient>> parts(starts.size() - 1);
-    for_ranges(starts, [&](std::size_t r, std::size_t begin, std::size_t end) {
-        for (std::size_t i = begin; i < end;) {
-            TexelGradient sum{items[i].d.key, {}};
-            for (const std::size_t next = end_of_texel(items, i, end, key_of); i < next; ++i)
-                sum.g += items[i].d.g * candidates.traced.paths[items[i].path].share;
-            parts[r].push_back(sum);
-        }
+    return by_texel<TexelGradient>(items, [&](std::size_t i, std::size_t end, auto& sums) {
+        TexelGradient sum{items[i].d.key, {}};
+        for (; i < end; ++i) sum.g += items[i].d.g * candidates.traced.paths[items[i].path].share;
+        sums.push_back(sum);
     });
-    return concatenated(parts);
 }
 
 }  // namespace

@@ -4,11 +4,13 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <functional>
 #include <utility>
 #include <vector>
 
 #include "core/index_range.h"
 #include "core/parallel.h"
+#include "gradient/candidate.h"
 
 namespace burnish {
 
@@ -25,21 +27,6 @@ std::vector<std::size_t> texel_ranges(const std::vector<Item>& items, KeyOf key)
     }
     if (starts.back() != items.size()) starts.push_back(items.size());
     return starts;
-}
-
-/// Calls body(range, begin, end) for each range, in parallel.
-template <class Body>
-void for_ranges(const std::vector<std::size_t>& starts, Body&& body) {
-    parallel_for(starts.size() - 1, [&](std::size_t r) { body(r, starts[r], starts[r + 1]); });
-}
-
-/// The end of the items that have the key of items[i].
-template <class Item, class KeyOf>
-std::size_t end_of_texel(const std::vector<Item>& items, std::size_t i, std::size_t end,
-                         KeyOf key) {
-    const auto first = key(items[i]);
-    while (i < end && key(items[i]) == first) ++i;
-    return i;
 }
 
 /// Splits two lists, each sorted by their items' `key`, in ranges of the same texels; the longer
@@ -69,22 +56,34 @@ std::vector<std::pair<IndexRange, IndexRange>> common_ranges(const std::vector<A
     return ranges;
 }
 
-/// The lists list_of(part) one after another, copied in parallel.
+/// The lists of all parts one after another, copied in parallel. list_of: a member of a part, or a
+/// function of it.
 template <class Part, class ListOf, class T>
 void concatenate(const std::vector<Part>& parts, ListOf list_of, std::vector<T>& all) {
     std::vector<std::size_t> starts{0};
-    for (const Part& part : parts) starts.push_back(starts.back() + list_of(part).size());
+    for (const Part& part : parts)
+        starts.push_back(starts.back() + std::invoke(list_of, part).size());
     all.resize(starts.back());
     parallel_for(parts.size(), [&](std::size_t p) {
-        const std::vector<T>& list = list_of(parts[p]);
+        const std::vector<T>& list = std::invoke(list_of, parts[p]);
         std::copy(list.begin(), list.end(), all.begin() + static_cast<std::ptrdiff_t>(starts[p]));
     });
 }
-template <class T>
-std::vector<T> concatenated(const std::vector<std::vector<T>>& parts) {
-    std::vector<T> all;
-    concatenate(
-        parts, [](const std::vector<T>& part) -> auto& { return part; }, all);
+
+/// The lists that body(begin, end, list) makes of each texel's candidates, one after another.
+/// items: sorted by texel.
+template <class Out, class Body>
+std::vector<Out> by_texel(const std::vector<Candidate>& items, const Body& body) {
+    const auto starts = texel_ranges(items, [](const Candidate& c) { return c.d.key; });
+    std::vector<std::vector<Out>> parts(starts.size() - 1);
+    parallel_for(parts.size(), [&](std::size_t r) {
+        for (std::size_t begin = starts[r], end = begin; begin < starts[r + 1]; begin = end) {
+            while (end < starts[r + 1] && items[end].d.key == items[begin].d.key) ++end;
+            body(begin, end, parts[r]);
+        }
+    });
+    std::vector<Out> all;
+    concatenate(parts, std::identity{}, all);
     return all;
 }
 

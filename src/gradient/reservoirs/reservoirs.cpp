@@ -32,7 +32,6 @@ std::array<float, 4> decide(const Iteration& iteration, TexelKey key, std::uint3
                     key.slot * 2 + static_cast<std::uint32_t>(decision));
 }
 
-TexelKey key_of(const Candidate& c) { return c.d.key; }
 TexelKey key_of(const ShiftedSample& s) { return s.sample.key; }
 
 /// The candidates [i, end) of one texel in reservoirs: of weight |q| / m (or e_j of their pixels),
@@ -40,7 +39,7 @@ TexelKey key_of(const ShiftedSample& s) { return s.sample.key; }
 ReservoirPair<std::uint32_t> fold_texel(const Candidates& candidates, std::size_t i,
                                         std::size_t end, const Iteration& iteration) {
     ReservoirPairBuilder<std::uint32_t> builder;
-    const TexelKey key = key_of(candidates.items[i]);
+    const TexelKey key = candidates.items[i].d.key;
     for (std::uint32_t k = 0; i < end; ++i, ++k) {
         const Candidate& c = candidates.items[i];
         auto& slot = builder.slot[slot_of(iteration.signs(), c.d.q)];
@@ -57,19 +56,10 @@ ReservoirPair<std::uint32_t> fold_texel(const Candidates& candidates, std::size_
 std::vector<CurrentSample> fold_candidates(const Candidates& candidates,
                                            const Iteration& iteration) {
     const auto& items = candidates.items;
-    const auto key = [](const Candidate& c) { return key_of(c); };
-    const auto starts = texel_ranges(items, key);
-    std::vector<std::vector<CurrentSample>> parts(starts.size() - 1);
-    for_ranges(starts, [&](std::size_t r, std::size_t begin, std::size_t end) {
-        for (std::size_t i = begin; i < end;) {
-            const std::size_t next = end_of_texel(items, i, end, key);
-            for (const auto& reservoir : fold_texel(candidates, i, next, iteration).slot)
-                if (reservoir.W > 0)
-                    parts[r].push_back({key_of(items[i]), reservoir.sample, reservoir.W});
-            i = next;
-        }
+    return by_texel<CurrentSample>(items, [&](std::size_t i, std::size_t end, auto& samples) {
+        for (const auto& reservoir : fold_texel(candidates, i, end, iteration).slot)
+            if (reservoir.W > 0) samples.push_back({items[i].d.key, reservoir.sample, reservoir.W});
     });
-    return concatenated(parts);
 }
 
 using Index = std::uint32_t;
@@ -149,10 +139,8 @@ void merge_range(Samples current, Samples history, const Iteration& iteration, M
 
 Merged join(const std::vector<Merged>& parts) {
     Merged all;
-    concatenate(
-        parts, [](const Merged& m) -> auto& { return m.gradient; }, all.gradient);
-    concatenate(
-        parts, [](const Merged& m) -> auto& { return m.samples; }, all.samples);
+    concatenate(parts, &Merged::gradient, all.gradient);
+    concatenate(parts, &Merged::samples, all.samples);
     for (const Merged& part : parts) {
         append(all.others, part.others);
         all.rejected += part.rejected;
