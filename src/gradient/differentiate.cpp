@@ -155,8 +155,8 @@ void share_out(const DerivativeInput& in, const RecordShader& shader, const Path
     }
 }
 
-/// Derivative of the loss by one input, and the same per colour channel of the light (for the
-/// luminance).
+/// Derivative of the loss by one input, and the luminance of its parts by the channels of the
+/// light.
 struct InputGradient {
     float g = 0;
     float luminance = 0;
@@ -175,17 +175,16 @@ struct Weights {
     std::optional<Rgbf> target;  ///< the same of light without color; none: as the derivative
 };
 
-/// q of a texel from the derivatives by its channels.
-float target_value(TargetFunction target, bool scalar, const Rgbf& g, float scalar_luminance) {
-    switch (target) {
-        case TargetFunction::kLuminance:
-            return scalar ? scalar_luminance : luminance(g);
-        case TargetFunction::kIntegrand:
-            if (scalar)
-                return g.x + g.y + g.z;  // one channel, or a luminance: all channels of one sign
-            return sign_of(luminance(g)) * (std::fabs(g.x) + std::fabs(g.y) + std::fabs(g.z));
-    }
-    return 0;
+/// q of a texel that is read as a number.
+float target_value(TargetFunction target, const InputGradient& d) {
+    return target == TargetFunction::kLuminance ? d.luminance : d.g;
+}
+
+/// q of one that is read as a colour. g: by its channels.
+float target_value(TargetFunction target, const Rgbf& g) {
+    const float q = luminance(g);
+    if (target == TargetFunction::kLuminance) return q;
+    return sign_of(q) * (std::fabs(g.x) + std::fabs(g.y) + std::fabs(g.z));
 }
 
 /// The same of light without color. df: by a number, or by the three channels of a colour.
@@ -228,7 +227,7 @@ void scatter_scalar(const DerivativeInput& in, const PathRecord& record, Texture
     const InputGradient d = input_gradient(weights.derivative, df);
     const Rgbf g = scalar_to_texel(in.binding->bitmap(texture).channels, d.g);
     const float q = weights.target ? target_value(in.target, *weights.target, {&df, 1})
-                                   : target_value(in.target, true, g, d.luminance);
+                                   : target_value(in.target, d);
     scatter(in, record, texture, q, g, out);
 }
 
@@ -239,8 +238,8 @@ void scatter_color(const DerivativeInput& in, const PathRecord& record, TextureI
     for (std::size_t c = 0; c < 3; ++c)
         g[static_cast<int>(c)] = input_gradient(weights.derivative, df[c]).g;
     g = color_to_texel(in.binding->bitmap(texture).channels, g);
-    const float q = weights.target ? target_value(in.target, *weights.target, df)
-                                   : target_value(in.target, false, g, 0);
+    const float q =
+        weights.target ? target_value(in.target, *weights.target, df) : target_value(in.target, g);
     scatter(in, record, texture, q, g, out);
 }
 
