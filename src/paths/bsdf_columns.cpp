@@ -40,7 +40,7 @@ void store_run(Column& to, const LaneRange& run, std::size_t i, const Packet& p)
 }
 
 void fill(Column& to, const LaneRange& run, float constant) {
-    std::fill_n(&to[run.begin], run.end - run.begin, constant);
+    std::fill_n(&to[run.begin], run.size(), constant);
 }
 
 /// The value in place of a texture's texels, NaN: there is none.
@@ -108,7 +108,7 @@ void look_up_rows(const BsdfPoints& points, const LaneRange& range, BsdfColumns&
         const BsdfConstants<float> constants = constants_of(bsdf);
         for (std::size_t k = 0; k < kBsdfConstants; ++k)
             fill(lanes.constants[k], run, constants.v[k]);
-        std::fill_n(&lanes.tables[run.begin], run.end - run.begin, constants.table.of_lane[0]);
+        std::fill_n(&lanes.tables[run.begin], run.size(), constants.table.of_lane[0]);
     });
 }
 

@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/index_range.h"
 #include "paths/columns.h"
 #include "scene/scene.h"
 #include "shading/bsdf.h"
@@ -28,10 +29,7 @@ struct BsdfColumns {
     std::array<const float*, kMaxLanes> tables;
 };
 
-/// Lanes [begin, end) of points; whole packets.
-struct LaneRange {
-    std::size_t begin = 0, end = 0;
-};
+using LaneRange = IndexRange;  ///< lanes of points
 
 /// For each texture of the scene a value in place of its texels, NaN where they are read; empty:
 /// all are.
@@ -68,7 +66,7 @@ class BsdfPackets {
     }
     SampledDirection<Packet> sample(std::size_t i, const Vec3<Packet>& wi, const Vec2<Packet>& u,
                                     const Packet& u_lobe) const {
-        return sample_bsdf(at(i), wi, {u.x, u.y, u_lobe, Packet(0.0f)});
+        return sample_bsdf(at(i), wi, u, u_lobe);
     }
 
   private:
@@ -124,8 +122,10 @@ class BsdfPackets<Principled> {
     PrincipledParameters<Packet> lobes_{};  ///< of its members only the has_ flags are used
 };
 
-/// All kinds of a batch, in the order of Bsdf's alternatives. `kinds`: the lanes of each.
+/// The lanes of each kind, whole packets; in the order of Bsdf's alternatives.
 using LanesOfKinds = std::array<LaneRange, std::variant_size_v<Bsdf>>;
+
+/// All kinds of a batch, in that order.
 inline auto make_bsdf_packets(const BsdfPoints& points, const LanesOfKinds& kinds,
                               BsdfColumns& lanes) {
     return [&]<std::size_t... I>(std::index_sequence<I...>) {

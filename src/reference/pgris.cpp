@@ -55,7 +55,8 @@ void sample_emitter(const World& world, const SeenPoint& p, const Numbers& numbe
 void sample_bsdf(const World& world, const SeenPoint& p, const Numbers& numbers, Path& x) {
     const Bsdf& bsdf = world.scene()[p.bsdf];
     const auto inputs = bsdf_inputs(world.textures, bsdf, x.uv);
-    const SampledDirection<float> sample = burnish::sample_bsdf(bsdf, inputs, x.wi, numbers.u);
+    const SampledDirection<float> sample =
+        burnish::sample_bsdf(bsdf, inputs, x.wi, {numbers.u[0], numbers.u[1]}, numbers.u[2]);
     x.wo = sample.wo_local, x.delta = sample.delta, x.lobe = sample.lobe.f;
     const float p_b = sample.delta ? sample.lobe.pdf : pdf_bsdf(bsdf, inputs, x.wi, x.wo);
     if (!sample.proper || !(p_b > 0)) return;

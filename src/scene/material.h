@@ -59,8 +59,7 @@ struct Principled {
     /// Lobes that exist, from what the scene file gave: a literal 0 or an absent parameter removes
     /// the lobe, a texture keeps it whatever its values.
     bool has_spec_trans = false, has_clearcoat = false, has_sheen = false, has_flatness = false,
-         has_spec_tint = false, has_sheen_tint = false, has_anisotropic = false,
-         has_metallic = false;
+         has_spec_tint = false, has_sheen_tint = false, has_anisotropic = false;
     /// Relative rates at which the lobes are sampled.
     float specular_rate = 1.0f, clearcoat_rate = 1.0f, diffuse_rate = 1.0f;
 
@@ -74,7 +73,7 @@ struct Principled {
 inline constexpr std::array<bool Principled::*, kPrincipledScalars> kScalarLobes{
     nullptr,
     &Principled::has_anisotropic,
-    &Principled::has_metallic,
+    nullptr,
     &Principled::has_spec_trans,
     &Principled::has_spec_tint,
     &Principled::has_sheen,

@@ -41,8 +41,7 @@ ConductorParameters<T> row_parameters(RowOf<Conductor>, const BsdfInputs<T>& v,
 template <class T>
 RoughConductorParameters<T> row_parameters(RowOf<RoughConductor>, const BsdfInputs<T>& v,
                                            const BsdfConstants<Plain<T>>& c) {
-    const ConductorParameters<T> metal{color_at(v, 0), color_at(c, 0), color_at(c, 3)};
-    return {metal, make_facets(v[3], v[4], c.v[6])};
+    return {row_parameters(RowOf<Conductor>{}, v, c), make_facets(v[3], v[4], c.v[6])};
 }
 template <class T>
 PlasticParameters<T> row_parameters(RowOf<Plastic>, const BsdfInputs<T>& v,
@@ -90,7 +89,7 @@ auto bsdf_parameters(const Kind& bsdf, const BsdfInputs<T>& v) {
 
 // BSDF times |cos theta_o|, without delta lobes; the density of sampling wo, without theirs; a
 // direction drawn with it. wi points to the camera, wo to the light, both local. u: uniform in [0,
-// 1)^4.
+// 1)^2, u_lobe in [0, 1).
 
 template <class T>
 Rgb<T> eval_bsdf(const DiffuseParameters<T>& p, const Vec3<Plain<T>>& wi,
@@ -178,51 +177,51 @@ U pdf_bsdf(const PrincipledThinParameters<U>& p, const Vec3<U>& wi, const Vec3<U
 }
 
 template <class U>
-SampledDirection<U> sample_bsdf(const DiffuseParameters<U>& p, const Vec3<U>& wi,
-                                const std::array<U, 4>& u) {
-    return sample_diffuse(p, wi, {u[0], u[1]});
+SampledDirection<U> sample_bsdf(const DiffuseParameters<U>& p, const Vec3<U>& wi, const Vec2<U>& u,
+                                const U&) {
+    return sample_diffuse(p, wi, u);
 }
 template <class U>
 SampledDirection<U> sample_bsdf(const PrincipledParameters<U>& p, const Vec3<U>& wi,
-                                const std::array<U, 4>& u) {
-    return sample_principled(p, wi, {u[0], u[1]}, u[2]);
+                                const Vec2<U>& u, const U& u_lobe) {
+    return sample_principled(p, wi, u, u_lobe);
 }
 template <class U>
-SampledDirection<U> sample_bsdf(const ConductorParameters<U>& p, const Vec3<U>& wi,
-                                const std::array<U, 4>&) {
+SampledDirection<U> sample_bsdf(const ConductorParameters<U>& p, const Vec3<U>& wi, const Vec2<U>&,
+                                const U&) {
     return sample_conductor(p, wi);
 }
 template <class U>
 SampledDirection<U> sample_bsdf(const RoughConductorParameters<U>& p, const Vec3<U>& wi,
-                                const std::array<U, 4>& u) {
-    return sample_rough_conductor(p, wi, {u[0], u[1]});
+                                const Vec2<U>& u, const U&) {
+    return sample_rough_conductor(p, wi, u);
 }
 template <class U>
-SampledDirection<U> sample_bsdf(const PlasticParameters<U>& p, const Vec3<U>& wi,
-                                const std::array<U, 4>& u) {
-    return sample_plastic(p, wi, {u[0], u[1]}, u[2]);
+SampledDirection<U> sample_bsdf(const PlasticParameters<U>& p, const Vec3<U>& wi, const Vec2<U>& u,
+                                const U& u_lobe) {
+    return sample_plastic(p, wi, u, u_lobe);
 }
 template <class U>
 SampledDirection<U> sample_bsdf(const RoughPlasticParameters<U>& p, const Vec3<U>& wi,
-                                const std::array<U, 4>& u) {
-    return sample_rough_plastic(p, wi, {u[0], u[1]}, u[2]);
+                                const Vec2<U>& u, const U& u_lobe) {
+    return sample_rough_plastic(p, wi, u, u_lobe);
 }
 
 template <class U>
-SampledDirection<U> sample_bsdf(const DielectricParameters<U>& p, const Vec3<U>& wi,
-                                const std::array<U, 4>& u) {
-    return sample_dielectric(p, wi, u[2]);
+SampledDirection<U> sample_bsdf(const DielectricParameters<U>& p, const Vec3<U>& wi, const Vec2<U>&,
+                                const U& u_lobe) {
+    return sample_dielectric(p, wi, u_lobe);
 }
 template <class U>
 SampledDirection<U> sample_bsdf(const RoughDielectricParameters<U>& p, const Vec3<U>& wi,
-                                const std::array<U, 4>& u) {
-    return sample_rough_dielectric(p, wi, {u[0], u[1]}, u[2]);
+                                const Vec2<U>& u, const U& u_lobe) {
+    return sample_rough_dielectric(p, wi, u, u_lobe);
 }
 
 template <class U>
 SampledDirection<U> sample_bsdf(const PrincipledThinParameters<U>& p, const Vec3<U>& wi,
-                                const std::array<U, 4>& u) {
-    return sample_principled_thin(p, wi, {u[0], u[1]}, u[2]);
+                                const Vec2<U>& u, const U& u_lobe) {
+    return sample_principled_thin(p, wi, u, u_lobe);
 }
 
 /// Whether a kind has delta lobes: SampledDirection::delta is asked for there alone.
@@ -257,9 +256,9 @@ inline float pdf_bsdf(const Bsdf& bsdf, const BsdfInputs<float>& v, const Vec3f&
     return std::visit([&](const auto& b) { return pdf_bsdf(bsdf_parameters(b, v), wi, wo); }, bsdf);
 }
 inline SampledDirection<float> sample_bsdf(const Bsdf& bsdf, const BsdfInputs<float>& v,
-                                           const Vec3f& wi, const std::array<float, 4>& u) {
-    return std::visit([&](const auto& b) { return sample_bsdf(bsdf_parameters(b, v), wi, u); },
-                      bsdf);
+                                           const Vec3f& wi, const Vec2f& u, float u_lobe) {
+    return std::visit(
+        [&](const auto& b) { return sample_bsdf(bsdf_parameters(b, v), wi, u, u_lobe); }, bsdf);
 }
 
 }  // namespace burnish

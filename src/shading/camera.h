@@ -14,7 +14,6 @@
 
 #include "burnish/view.h"
 #include "core/packet.h"
-#include "core/ray.h"
 #include "scene/camera.h"
 #include "shading/lens.h"
 
@@ -116,10 +115,9 @@ CameraRay<T> camera_ray(const CameraRays& c, const Vec2<T>& film_position,
 }
 
 /// One ray; the slow form that prepares the camera each time.
-inline Ray camera_ray(const PerspectiveCamera& camera, const Film& film,
-                      const Vec2f& film_position) {
-    const auto r = camera_ray<float>(make_camera_rays(camera, film), film_position);
-    return {r.origin, r.direction, r.max_distance};
+inline CameraRay<float> camera_ray(const PerspectiveCamera& camera, const Film& film,
+                                   const Vec2f& film_position) {
+    return camera_ray(make_camera_rays(camera, film), film_position);
 }
 
 }  // namespace burnish

@@ -320,7 +320,7 @@ Scene make_room_of_a_smooth_floor(PrincipledScalar of_texture) {
     Principled floor;
     floor.base_color.constant = {0.8f, 0.8f, 0.8f};
     floor[PrincipledScalar::kRoughness].constant = 0.05f;
-    floor.has_metallic = floor.has_spec_trans = true;
+    floor.has_spec_trans = true;
     floor[of_texture].texture = {3};
     scene.bsdfs[0] = floor;
     scene.parameters = {{"floor", {3}}};

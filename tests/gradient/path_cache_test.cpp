@@ -232,8 +232,8 @@ TEST(PathCache, DerivativesByEachInputAloneAgreeWithPlainFloats) {
             p.base_color.constant = {0.6f, 0.4f, 0.7f};
             for (ScalarInput& scalar : p.scalars) scalar.texture = {}, scalar.constant = 0.45f;
             p.scalars[static_cast<std::size_t>(i)].texture = {1};
-            p.has_metallic = p.has_clearcoat = p.has_sheen = p.has_flatness = p.has_anisotropic =
-                p.has_spec_trans = p.has_spec_tint = true;
+            p.has_clearcoat = p.has_sheen = p.has_flatness = p.has_anisotropic = p.has_spec_trans =
+                p.has_spec_tint = true;
         };
         compare_with_plain_floats(fmt::format("scalar {}", i).c_str(), change, {1},
                                   Sequence::kSobol);

@@ -24,7 +24,6 @@ inline Scene make_room() {
     floor.base_color.texture = {0};
     floor[PrincipledScalar::kRoughness].texture = {1};
     floor[PrincipledScalar::kMetallic].constant = 0.4f;
-    floor.has_metallic = true;
     Diffuse wall, paint, black;
     wall.reflectance.texture = {2};
     paint.reflectance.constant = {0.8f, 0.6f, 0.4f};

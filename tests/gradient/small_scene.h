@@ -56,7 +56,6 @@ inline Scene make_small_scene(const SmallSceneOptions& options = {}) {
     principled.base_color.texture = {0};
     principled[PrincipledScalar::kRoughness].texture = {1};
     principled[PrincipledScalar::kMetallic].constant = 0.6f;
-    principled.has_metallic = true;
     Diffuse black;
     black.reflectance.constant = {0, 0, 0};
     scene.bsdfs = {principled, black};

@@ -50,7 +50,6 @@ inline Principled metal() {
     Principled floor;
     floor.base_color.constant = {0.8f, 0.7f, 0.6f};
     floor[PrincipledScalar::kMetallic].constant = 1;
-    floor.has_metallic = true;
     return floor;
 }
 

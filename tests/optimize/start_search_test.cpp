@@ -208,7 +208,6 @@ TEST(StartSearch, TakesEnoughSamplesOfManyPixels) {
 /// from the truth, away from the edge, which pixels blur.
 std::array<double, 3> search_brass(float roughness_of_paint) {
     Principled floor;
-    floor.has_metallic = true;
     floor.base_color.texture = {0};
     floor[PrincipledScalar::kRoughness].texture = {1};
     floor[PrincipledScalar::kMetallic].texture = {2};

@@ -24,17 +24,15 @@ inline Scene make_strip_scene(int side, int texels) {
     colored.base_color.texture = {0};
     colored[P::kRoughness].texture = {1};
     colored[P::kMetallic].constant = 0.6f;
-    colored.has_metallic = true;
     metallic.base_color.constant = {0.7f, 0.4f, 0.2f};
     metallic[P::kRoughness].constant = 0.4f;
     metallic[P::kMetallic].texture = {2};
-    metallic.has_metallic = true;
     brushed.base_color.constant = {0.3f, 0.5f, 0.7f};
     brushed[P::kRoughness].constant = 0.7f;
     brushed[P::kMetallic].constant = 0.7f;
     brushed[P::kAnisotropic].texture = {3};
     brushed[P::kSpecTint].texture = {4};
-    brushed.has_metallic = brushed.has_anisotropic = brushed.has_spec_tint = true;
+    brushed.has_anisotropic = brushed.has_spec_tint = true;
     Diffuse diffuse, constant, black;
     diffuse.reflectance.texture = {5};
     constant.reflectance.constant = {0.5f, 0.4f, 0.3f};

@@ -32,7 +32,7 @@ Scene rich_scene() {
                                                           0.6f, 0.3f, 0.3f, 0.7f, 0.4f};
     for (std::size_t k = 0; k < constants.size(); ++k) p.scalars[k] = {constants[k], {}};
     p.has_spec_trans = p.has_clearcoat = p.has_sheen = p.has_flatness = p.has_spec_tint =
-        p.has_sheen_tint = p.has_anisotropic = p.has_metallic = true;
+        p.has_sheen_tint = p.has_anisotropic = true;
     return scene;
 }
 

@@ -207,7 +207,8 @@ TEST(InterfaceFloors, HaveTheDeltaLobesThatAreDrawn) {
         int proper = 0, delta = 0;
         for (std::uint32_t i = 0; i < 64; ++i) {
             const auto u = uniforms({24, Stream::kTest}, i, 0, 0);
-            const SampledDirection<float> s = sample_bsdf(floor.bsdf, inputs, wi, u);
+            const SampledDirection<float> s =
+                sample_bsdf(floor.bsdf, inputs, wi, {u[0], u[1]}, u[2]);
             proper += s.proper, delta += s.proper && s.delta;
         }
         using enum DeltaLobes;

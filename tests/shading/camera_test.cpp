@@ -58,7 +58,7 @@ double worst_difference(float dx, float dy) {
         const View v = view_of(row);
         const Vec2f film{static_cast<float>(row["film_x"]) + dx,
                          static_cast<float>(row["film_y"]) + dy};
-        const Ray ray = camera_ray(v.camera, v.film, film);
+        const CameraRay<float> ray = camera_ray(v.camera, v.film, film);
         const Vec3<double> o{row["ray_o_x"], row["ray_o_y"], row["ray_o_z"]};
         const Vec3<double> d{row["ray_d_x"], row["ray_d_y"], row["ray_d_z"]};
         for (int i = 0; i < 3; ++i) {
@@ -85,7 +85,7 @@ TEST(Camera, RaysRunFromTheNearToTheFarPlane) {
     v.camera.to_world = look_from({1, 2, 3}, {4, -1, 2});
     const Vec3f z = transform_vector(v.camera.to_world, {0, 0, 1}), eye{1, 2, 3};
     for (const Vec2f film : {Vec2f{0, 0}, Vec2f{0.5f, 0.5f}, Vec2f{0.9f, 0.1f}}) {
-        const Ray ray = camera_ray(v.camera, v.film, film);
+        const CameraRay<float> ray = camera_ray(v.camera, v.film, film);
         const Vec3f end = ray.origin + ray.direction * ray.max_distance;
         EXPECT_NEAR(dot(ray.origin - eye, z), 0.5f, 1e-5f);
         EXPECT_NEAR(dot(end - eye, z), 20.0f, 2e-5f);
@@ -110,7 +110,7 @@ View distant_view() {
 
 void expect_rays(const View& v, std::initializer_list<KnownRay> expected) {
     for (const KnownRay& e : expected) {
-        const Ray ray = camera_ray(v.camera, v.film, e.film);
+        const CameraRay<float> ray = camera_ray(v.camera, v.film, e.film);
         EXPECT_LT(length(ray.origin - e.origin), 3e-6f);
         EXPECT_LT(length(ray.direction - e.direction), 1e-6f);
         EXPECT_NEAR(ray.max_distance, e.max_distance, 1e-5f);

@@ -107,7 +107,7 @@ Direction wi_of(double degrees) {
 SampledDirection<double> drawn_of(const InterfaceCase& c, const std::array<double, 4>& u) {
     return std::visit(
         [&](const auto& b) {
-            return sample_bsdf(bsdf_parameters(b, c.inputs), wi_of(c.degrees), u);
+            return sample_bsdf(bsdf_parameters(b, c.inputs), wi_of(c.degrees), {u[0], u[1]}, u[2]);
         },
         c.bsdf);
 }
@@ -170,7 +170,6 @@ TEST(InterfaceSampling, FollowsItsDensity) {
 TEST(InterfaceSampling, LobesThatTexturesBringBackAreDrawn) {
     Principled principled, glassy, metallic;
     principled.has_spec_trans = glassy.has_spec_trans = true;
-    principled.has_metallic = metallic.has_metallic = true;
     glassy[PrincipledScalar::kSpecTrans].texture = {0};
     metallic[PrincipledScalar::kMetallic].texture = {0};
     const BsdfInputs<double> opaque{0.8, 0.5, 0.3, 0.5}, black{0, 0, 0, 1, 1, 1},
