@@ -25,9 +25,9 @@ enum class Stream : std::uint32_t {
     kCacheB = 10,
     kScramble = 11,  ///< seeds that scramble low-discrepancy sequences
     kAdaptive = 12,  ///< how many derivative samples a pixel gets
-    kViews = 15,     ///< the order of views, and the seeds of their numbers
     kTrial = 13,     ///< a few samples that tell how many records a path cache will keep
     kSearch = 14,    ///< samples by which the start is searched
+    kViews = 15,     ///< the order of views, and the seeds of their numbers
     kProbe = 16,     ///< signs of pixels that tell what texels do to them
     kHalf = 17,      ///< seeds of second halves
     kAperture = 18,  ///< where a camera sample passes a thin lens

@@ -1,5 +1,7 @@
 #include "paths/light_bounds.h"
 
+#include <algorithm>
+#include <cmath>
 #include <numbers>
 
 #include "core/constants.h"

@@ -7,6 +7,7 @@
 // surface.
 #pragma once
 
+#include <limits>
 #include <span>
 #include <vector>
 

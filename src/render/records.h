@@ -7,6 +7,7 @@
 // so that rounding changes the paths by a hair and never makes two evaluations of one path differ.
 #pragma once
 
+#include <cstring>
 #include <span>
 #include <vector>
 

@@ -12,6 +12,11 @@
 // nothing, and nothing is seen along it, not even an environment.
 #pragma once
 
+#include <array>
+#include <cmath>
+#include <numbers>
+#include <optional>
+
 #include "burnish/view.h"
 #include "core/packet.h"
 #include "scene/camera.h"
