@@ -19,7 +19,8 @@ struct CheckGradientOptions {
     std::uint32_t seed = 0;
 };
 inline constexpr std::uint32_t kCheckBatches = 32;
-/// Values are kept so far from 0 and 1, of which a finite difference takes both sides: two steps.
+/// The step of the finite differences. Values are moved to two steps or more from 0 and 1
+/// (within_steps), so that both sides can be rendered.
 inline constexpr float kCheckStep = 0.005f;
 
 /// A mean over batches.

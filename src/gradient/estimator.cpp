@@ -39,7 +39,8 @@ std::size_t move_window(const PathCache& o, const PathCacheInput& input, PathCac
                         EstimatorWorkspace& all) {
     const std::size_t rejected =
         trace_passes(input, fresh_passes(o.samples, all.cache.window), all.cache, state);
-    keep_window(all.cache.window, state, all.dropped);  // no fresh one
+    // Drops old passes alone: the fresh ones fit.
+    keep_window(all.cache.window, state, all.dropped);
     return rejected;
 }
 

@@ -103,8 +103,8 @@ std::vector<Image> images_of_tiles(const Film& film, const std::array<TileImages
 
 /// The gradient, and what is reported of it.
 struct GradientEstimate {
-    /// dL / d(texture), parallel to theta.textures; in the work memory, until the next call. Two
-    /// halves where the images were two.
+    /// dL / d(texture), parallel to theta.textures; in the work memory, until the next call. In
+    /// halves where has_split_gradient.
     const std::vector<SplitGradient>& gradient;
     GradientCounts counts;
     /// Of a process that has some bands of a view: all that it brings. `gradient` is then that of
@@ -113,8 +113,8 @@ struct GradientEstimate {
 };
 
 /// adjoints: dL/dI of each image of this iteration's estimate_image, or one that serves all. An
-/// estimator whose derivatives are not those of its image's samples (`has_own_derivatives`) needs
-/// no estimate_image before.
+/// estimator whose derivatives are not those of its image's samples (`has_own_derivatives`) reads
+/// the first alone, and needs no estimate_image before.
 GradientEstimate estimate_gradient(const Estimator& estimator, const Binding& binding,
                                    std::span<const Image> adjoints, IterationKey key,
                                    EstimatorState& state, EstimatorWorkspace& workspace);

@@ -26,7 +26,7 @@ void copy_block(const TexelSums& sums, const float* from, BlockSum& to) {
         for (std::size_t c = 0; c < 3; ++c) to[3 * i + c] = kLuminanceWeights[c] * from[i];
 }
 
-/// The sum of a block over bands [begin, begin + size), by halves; false: none has dirty it.
+/// The sum of a block over bands [begin, begin + size), by halves; false: none has dirtied it.
 bool sum_block(const TexelSums& sums, std::size_t block, std::size_t begin, std::size_t size,
                BlockSum& sum) {
     if (size == 1) {

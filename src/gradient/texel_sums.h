@@ -68,9 +68,9 @@ inline int out_channels(const TexelSums& sums) {
     return sums.of_luminance ? 3 : static_cast<int>(sums.channels);
 }
 
-/// Writes the sum of some bands to `image`, [height, width, out_channels], where a band has dirty
-/// it, and sets the flags of the dirty blocks there; clears these bands. They are halved again and
-/// again, the first half a power of two: a node is the sum of its halves.
+/// Writes the sum of some bands to `image`, [height, width, out_channels], where a band has
+/// dirtied it, and sets the flags of the dirty blocks there; clears these bands. They are halved
+/// again and again, the first half a power of two: a node is the sum of its halves.
 void fold(TexelSums& sums, const IndexRange& bands, Image& image, DirtyBlocks& dirty);
 inline void fold(TexelSums& sums, Image& image, DirtyBlocks& dirty) {
     fold(sums, {0, sums.bands.size()}, image, dirty);

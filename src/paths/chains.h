@@ -8,6 +8,8 @@
 // C_k are divided by the density of wo_next and by the probability that Russian roulette let the
 // path go on. All are fixed when the chain is traced, so that it is shaded and differentiated
 // backwards without a ray. C_0 is kept within E_1, D_1 and C_1.
+//
+// P_k = f_1(wo_next) C_1 ... f_{k-1}(wo_next) C_{k-1}: throughput from the camera to vertex k.
 #pragma once
 
 #include <span>

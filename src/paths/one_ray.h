@@ -1,5 +1,5 @@
-// Single rays, and the point that one from the camera meets: for the reference and for tests. What
-// is fast traces packets.
+// Single rays, and the point that one from the camera meets: for the reference, for tests and for
+// what the program says of a scene. Rendering traces packets.
 #pragma once
 
 #include <limits>

@@ -15,12 +15,12 @@ struct PointLanes {
     ActiveList live;  ///< points that can be lit as seen from the ray; in order of lanes
     std::array<std::uint16_t, kMaxLanes> sample;  ///< index into the batch
     std::array<BsdfId, kMaxLanes> bsdf;           ///< of the side that the ray meets
-    std::array<char, kMaxLanes> has_unknowns;     ///< its BSDF reads an unknown
+    std::array<char, kMaxLanes> has_unknowns;     ///< its BSDF, or a share of it, reads an unknown
     ColumnVec3 position, geometric_normal, s, t, n;
     Column u, v;
     ColumnVec3 wi;  ///< back along the ray, local
     Column side;    ///< -1: a two-sided material seen from behind; local z is mirrored
-    std::array<MaterialId, kMaxLanes> material;  ///< that is shown; set where the scene has layers
+    std::array<MaterialId, kMaxLanes> material;  ///< that is shown
     bool has_shares = false;  ///< some points are parts of blends whose weight is an unknown
     Column share, chance;     ///< as of ShownMaterial; set where some have
     bool has_turned = false;  ///< some normals are turned by a map

@@ -78,9 +78,10 @@ Image normalized_adjoint(const Image& adjoint, const FilmNormalization& normaliz
     parallel_for(static_cast<std::size_t>(adjoint.height), [&](std::size_t row) {
         const int y = static_cast<int>(row);
         for (int x = 0; x < adjoint.width; ++x) {
-            const float integral =
+            const float inverse_integral =
                 normalization.x[static_cast<std::size_t>(x)] * normalization.y[row];
-            for (int c = 0; c < 3; ++c) result.at(x, y, c) = adjoint.at(x, y, c) * integral * scale;
+            for (int c = 0; c < 3; ++c)
+                result.at(x, y, c) = adjoint.at(x, y, c) * inverse_integral * scale;
         }
     });
     return result;
