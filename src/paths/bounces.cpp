@@ -17,8 +17,6 @@ namespace {
 constexpr float kMaxSurvival = 0.95f, kMinSurvival = 0.05f;
 /// A path of any rr_depth may end from here on: without, one in a closed scene would not.
 constexpr std::uint32_t kLatestRoulette = 256;
-/// Its numbers' bounces are told apart from those of directions.
-constexpr std::uint32_t kRoulette = 0x80000000u;
 
 /// The state of each path of a batch.
 struct PathLanes {
@@ -139,7 +137,7 @@ Packet roulette_numbers(const Tracer& t, const ColumnIndices& samples, std::uint
         const CameraSample& c = t.samples[samples.at[k]].camera;
         pixel[k] = c.pixel, iteration[k] = c.iteration, pass[k] = c.pass;
     }
-    return uniforms(t.input.key, pixel, iteration, pass, kRoulette | bounce)[0];
+    return uniforms(t.input.key, pixel, iteration, pass, kRouletteNumbers | bounce)[0];
 }
 
 /// What the paths of sixteen lanes carry on. Returns which of them go on.

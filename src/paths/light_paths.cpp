@@ -6,9 +6,6 @@ namespace burnish {
 
 namespace {
 
-/// The numbers of choices are told apart from those of directions and of Russian roulette.
-constexpr std::uint32_t kChoice = 0x20000000u;
-
 double sum(const Rgbf& v) { return double{v.x} + double{v.y} + double{v.z}; }
 
 /// The end of a path.
@@ -127,7 +124,7 @@ std::size_t append_light_paths(const TraceInput& input, std::span<const BatchSam
             const ChainVertex& v = vertices[k];
             add(k, {k, Technique::kEmitter}, is_black(v.emitted) ? 0 : 1);
             const float u = uniforms(input.key, camera.pixel, camera.iteration, camera.pass,
-                                     kChoice | static_cast<std::uint32_t>(k))[0];
+                                     kLightChoiceNumbers | static_cast<std::uint32_t>(k))[0];
             const ChosenEnd chosen = choose_end(vertices, k, before, u);
             add(k, chosen.end, chosen.probability);
             before = before * v.f_next * v.onward;

@@ -53,20 +53,27 @@ float cone_height(float sin_squared) {
     return sin_squared / (1 + cosine);
 }
 
+/// sin^2 of the half angle under which a sphere is seen, where its cone is sampled; none where its
+/// area is: seen from inside or from the surface, or lit from inside.
+std::optional<float> sampled_cone(const Sphere& sphere, const Vec3f& origin) {
+    const float sin_squared =
+        sphere.radius * sphere.radius / length_squared(sphere.center - origin);
+    if (!(sin_squared < 0.9999f) || sphere.flip_normals) return {};
+    return sin_squared;
+}
+
 LightSample sample_sphere(const Sphere& sphere, float area, const Rgbf& radiance,
                           const Vec3f& origin, const std::array<float, 3>& u) {
-    const Vec3f to_center = sphere.center - origin;
-    const float squared = length_squared(to_center),
-                sin_squared = sphere.radius * sphere.radius / squared;
-    if (!(sin_squared < 0.9999f) ||
-        sphere.flip_normals) {  // inside, on the surface, or lit from inside: by area
+    const std::optional<float> sin_squared = sampled_cone(sphere, origin);
+    if (!sin_squared) {
         const Vec3f outward = uniform_direction(u[0], u[1]);
         const Vec3f n = sphere.flip_normals ? -outward : outward;
         return light_sample(
             from_point<float>({sphere.center + outward * sphere.radius, n, n}, 1 / area, origin),
             radiance);
     }
-    const float height = cone_height(sin_squared);
+    const Vec3f to_center = sphere.center - origin;
+    const float squared = length_squared(to_center), height = cone_height(*sin_squared);
     const float one_minus_cos = u[0] * height, cosine = 1 - one_minus_cos;
     const float sine = std::sqrt(std::max(0.0f, one_minus_cos * (2 - one_minus_cos)));
     const SinCos<float> phi = sin_cos_turns(u[1]);
@@ -117,9 +124,7 @@ LightSample sample_shape(const Lights& lights, const AreaEmitter& emitter,
                      const TriangleRecord& triangle = light.triangles[choice.triangle];
                      const auto point = sample_triangle(triangle, u[1], u[2]);
                      const Rgbf radiance =
-                         light.texture
-                             ? textured(lights, light, sample_triangle_uv(triangle, u[1], u[2]))
-                             : light.radiance;
+                         textured(lights, light, sample_triangle_uv(triangle, u[1], u[2]));
                      return light_sample(from_point(point, 1 / light.area, position), radiance);
                  },
                  [&](const Sphere& sphere) {
@@ -153,10 +158,8 @@ LightSample sample_point(const PointEmitter& point, const Vec3f& position) {
 
 /// Density of sample_sphere.
 float pdf_sphere(const Sphere& sphere, const Vec3f& origin, float by_area) {
-    const float sin_squared =
-        sphere.radius * sphere.radius / length_squared(sphere.center - origin);
-    if (!(sin_squared < 0.9999f) || sphere.flip_normals) return by_area;
-    return 1 / (2 * kPi * cone_height(sin_squared));
+    const std::optional<float> sin_squared = sampled_cone(sphere, origin);
+    return sin_squared ? 1 / (2 * kPi * cone_height(*sin_squared)) : by_area;
 }
 
 float pdf_area_emitter(const Lights& lights, const AreaEmitter& emitter, std::size_t index,

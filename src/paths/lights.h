@@ -107,8 +107,8 @@ SurfacePoint<T> sample_triangle(const TriangleOf<T>& triangle, const T& u, const
 
 /// Its texture coordinate.
 inline Vec2f sample_triangle_uv(const TriangleRecord& triangle, float u, float v) {
-    const float root = std::sqrt(u), a = 1.0f - root, b = v * root;
-    return triangle.uv[0] * (1.0f - a - b) + triangle.uv[1] * a + triangle.uv[2] * b;
+    const float root = std::sqrt(u);
+    return triangle_uv(triangle, 1.0f - root, v * root);
 }
 
 /// Uniform on the sphere.

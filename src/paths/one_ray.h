@@ -106,12 +106,12 @@ inline SeenPoint seen_point(const TracedScene& traced, const TextureTable& textu
 
 /// Whether something lies between the point and a point of light that was sampled for it.
 inline bool is_blocked(const Accel& accel, const SeenPoint& p, const LightSample& light) {
-    constexpr float kNearlyAll = 1 - 8.9e-4f;  // of the way: the light itself is no obstacle
     const Vec3f origin = p.leave(light.direction_world);
     if (!std::isfinite(light.distance))
         return is_occluded(accel, origin, light.direction_world, light.distance);
     const Vec3f way = p.surface.position + light.direction_world * light.distance - origin;
-    return is_occluded(accel, origin, way * (1 / length(way)), length(way) * kNearlyAll);
+    return is_occluded(accel, origin, way * (1 / length(way)),
+                       length(way) * (1 - kShadowShortening));
 }
 
 }  // namespace burnish

@@ -18,8 +18,11 @@ namespace burnish {
 
 enum class Technique : std::uint8_t { kEmitter, kBsdf };
 inline constexpr int kTechniques = 2;
-/// Added to a bounce: names the number by which a light sample chooses among its candidates.
-inline constexpr std::uint32_t kCandidateNumbers = 1u << 30;
+/// Added to a bounce, or to the index of a vertex with an unknown, these name the numbers of a
+/// camera sample that are not those of its directions: by which a path to one light is chosen, a
+/// light sample among its candidates, and whether Russian roulette ends a path.
+inline constexpr std::uint32_t kLightChoiceNumbers = 1u << 29, kCandidateNumbers = 1u << 30,
+                               kRouletteNumbers = 1u << 31;
 
 /// One camera sample: names its random numbers entirely. All samples of a pass share the film
 /// offset.

@@ -6,10 +6,6 @@ namespace burnish {
 
 namespace {
 
-/// Shadow rays stop this far before the light, relative to the distance: ten times the offset of
-/// leave_surface.
-constexpr float kShadowShortening = 8.9e-4f;
-
 /// Parts of blends: their share is in f, and their probability in what multiplies the light, and
 /// with it the value of a BSDF that has no other unknown. So no delta lobe asks for its direction
 /// again.

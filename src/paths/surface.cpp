@@ -9,13 +9,18 @@ namespace burnish {
 
 namespace {
 
+/// The azimuth of (x, y), 0 to 1.
+float turns_of(float y, float x) {
+    const float azimuth = std::atan2(y, x);
+    return (azimuth < 0 ? azimuth + 2 * kPi : azimuth) / (2 * kPi);
+}
+
 Surface at_sphere(const Sphere& sphere, const Vec3f& hit_position) {
     const SphereAxes axes = axes_of(sphere);
     Surface s = sphere_surface(sphere, axes, hit_position);
     const Vec3f outward = normalize(hit_position - sphere.center);
-    float azimuth = std::atan2(dot(outward, axes[1]), dot(outward, axes[0]));
-    if (azimuth < 0) azimuth += 2 * kPi;
-    s.uv = {azimuth / (2 * kPi), std::acos(std::clamp(dot(outward, axes[2]), -1.0f, 1.0f)) / kPi};
+    s.uv = {turns_of(dot(outward, axes[1]), dot(outward, axes[0])),
+            std::acos(std::clamp(dot(outward, axes[2]), -1.0f, 1.0f)) / kPi};
     return s;
 }
 
@@ -24,9 +29,7 @@ Surface at_disk(const Disk& disk, const Vec3f& hit_position) {
     s.position = hit_position;
     const Vec3f local = transform_point(disk.to_local, hit_position);
     const float r = std::sqrt(local.x * local.x + local.y * local.y);
-    float azimuth = std::atan2(local.y, local.x);
-    if (azimuth < 0) azimuth += 2 * kPi;
-    s.uv = {r, azimuth / (2 * kPi)};
+    s.uv = {r, turns_of(local.y, local.x)};
     const Vec3f n = transform_normal(disk.to_local, {0, 0, 1});
     const Vec3f radial = r > 0 ? Vec3f{local.x / r, local.y / r, 0} : Vec3f{1, 0, 0};
     s.geometric_normal = disk.flip_normals ? -n : n;
@@ -38,9 +41,7 @@ Surface at_cylinder(const Cylinder& cylinder, const Vec3f& hit_position) {
     Surface s;
     s.position = hit_position;
     const Vec3f local = transform_point(cylinder.to_local, hit_position);
-    float azimuth = std::atan2(local.y, local.x);
-    if (azimuth < 0) azimuth += 2 * kPi;
-    s.uv = {azimuth / (2 * kPi), local.z};
+    s.uv = {turns_of(local.y, local.x), local.z};
     const Vec3f n = transform_normal(cylinder.to_local, {local.x, local.y, 0});
     s.geometric_normal = cylinder.flip_normals ? -n : n;
     s.shading = frame_from_tangent(s.geometric_normal,

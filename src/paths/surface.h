@@ -81,8 +81,11 @@ SurfaceOf<T> triangle_surface(const TriangleOf<T>& r, const T& u, const T& v) {
 /// How far off a surface rays begin, over 1 + the largest coordinate: 1500 ulps, as positions are
 /// interpolated and transformed in float.
 inline constexpr float kRayOffset = 8.9e-5f;
+/// How far before the light shadow rays stop, over the distance: ten times that offset. The light
+/// itself is no obstacle.
+inline constexpr float kShadowShortening = 8.9e-4f;
 
-/// The origin of a ray that leaves `surface` towards `direction`, moved off the surface by a
+/// The origin of a ray that leaves a surface at `position` towards `direction`, moved off it by a
 /// distance that covers the rounding of the position.
 template <class T>
 Vec3<T> leave_surface(const Vec3<T>& position, const Vec3<T>& geometric_normal,

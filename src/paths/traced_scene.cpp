@@ -68,10 +68,9 @@ std::vector<char> read_uvs(const Scene& scene) {
     return reads;
 }
 
-std::optional<Accel> hidden_emitters(const Scene& scene) {
-    const bool any = std::any_of(scene.shapes.begin(), scene.shapes.end(),
-                                 [](const Shape& s) { return bool(s.emitter); });
-    if (!scene.hide_emitters || !any) return {};
+/// What the camera sees where emitters are hidden; none where it sees all.
+std::optional<Accel> without_emitters(const Scene& scene, bool has_emitting) {
+    if (!scene.hide_emitters || !has_emitting) return {};
     return Accel(scene, Shapes::kNotEmitting);
 }
 
@@ -84,8 +83,9 @@ TracedScene prepare(const Scene& scene, LightSelection selection) {
     TracedScene view;
     view.scene = &scene;
     view.geometry = std::make_shared<const SceneGeometry>(SceneGeometry{
-        Accel(scene), Accel(scene, Shapes::kEmitting), hidden_emitters(scene), has_emitting,
-        make_triangle_table(scene), order_bsdfs(scene), plain_bsdfs(scene), read_uvs(scene)});
+        Accel(scene), Accel(scene, Shapes::kEmitting), without_emitters(scene, has_emitting),
+        has_emitting, make_triangle_table(scene), order_bsdfs(scene), plain_bsdfs(scene),
+        read_uvs(scene)});
     view.lights =
         std::make_shared<const Lights>(build_lights(scene, view.geometry->triangles, selection));
     return with_camera(view, make_camera_rays(scene.camera, scene.film), scene.film);

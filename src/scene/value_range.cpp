@@ -14,10 +14,8 @@ float largest_value(const Scene& scene, TextureId texture) {
         if (thin && thin->scalars[kDiffTrans].texture == texture) is_diff_trans = true, --others;
         if (others > 0) return 1;
     }
-    const bool has_other_use = std::ranges::any_of(scene.materials, [&](const Material& m) {
-        return m.blend && m.blend->weight.texture == texture;
-    });
-    return is_diff_trans && !has_other_use && !turns_normals(scene, texture) ? kMaxDiffTrans : 1;
+    const bool has_other_use = weighs_parts(scene, texture) || turns_normals(scene, texture);
+    return is_diff_trans && !has_other_use ? kMaxDiffTrans : 1;
 }
 
 }  // namespace burnish
