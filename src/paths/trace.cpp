@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <initializer_list>
+#include <memory>
 #include <vector>
 
 #include "core/contract.h"
@@ -13,13 +14,19 @@ namespace burnish {
 
 namespace {
 
-/// The stages' shared memory: one per thread, reused from batch to batch.
+/// The stages' shared memory, reused from batch to batch.
 struct TraceWorkspace {
     FilmLanes film;
     RayLanes primary;
     PointLanes points;
     ScatterWorkspace scatter;
 };
+
+/// One of each thread that traces direct light: nothing in it outlives a call.
+TraceWorkspace& trace_workspace() {
+    thread_local const auto w = std::make_unique<TraceWorkspace>();  // scratch memory only
+    return *w;
+}
 
 /// Calls keep(lane, value) for each sample that arrived, in order of lanes. Returns the number
 /// of samples whose value was not finite.
@@ -88,7 +95,7 @@ std::size_t scatter_at_hits(const TraceInput& input, std::span<const BatchSample
 /// of rejected ones.
 std::size_t trace_direct(const TraceInput& input, std::span<const BatchSample> samples,
                          std::span<Rgbf> emitted, const auto& keep) {
-    thread_local TraceWorkspace w;  // scratch memory only: nothing in it outlives the call
+    TraceWorkspace& w = trace_workspace();
     trace_primary_rays(input, samples, w.film, w.primary, emitted);
     return leave_out_non_finite(emitted) +
            scatter_at_hits(
@@ -148,7 +155,7 @@ std::size_t replay_batch(const TraceInput& input, Technique technique,
     std::vector<BatchSample> samples;
     for (const CameraSample& s : camera_samples) samples.push_back({s, emitter, !emitter});
     check(input, samples);
-    thread_local TraceWorkspace w;  // scratch memory only
+    TraceWorkspace& w = trace_workspace();
     repeat_primary_rays(input, samples, hits, w.film, w.primary);
     std::array<PathRecord, kBatchSamples> replayed{};
     const std::size_t rejected = scatter_at_hits(
