@@ -295,7 +295,7 @@ void differentiate(const DerivativeInput& in, const PathRecord& record, const Rg
     if (is_black(others * light)) return;
     out.adjoint = adjoint_of(in, record);
     const Rgbf weight = out.adjoint * others;
-    const float gray = (light.x + light.y + light.z) / 3;
+    const float gray = (std::fabs(light.x) + std::fabs(light.y) + std::fabs(light.z)) / 3;
     scatter_all(in, record, {weight * light, weight * gray}, out);
 }
 

@@ -49,10 +49,10 @@ struct DerivativeInput {
 void differentiate(const DerivativeInput& input, const PathRecord& record, TexelDerivatives& out);
 
 /// At one vertex of a path that others scatter, too. others: what they make of its light, the
-/// product of their f. The record's radiance is in the target as its mean over the channels: its
-/// color may depend on densities of birth, and must not enter the ratio of two targets of a path
-/// (paths/light_paths.h). TargetFunction::kIntegrand: the sum of the magnitudes of the terms of g,
-/// so that g / q is bounded.
+/// product of their f. The record's radiance is in the target as the mean of its channels'
+/// magnitudes, which is positive: its color may depend on densities of birth, and must not enter
+/// the ratio of two targets of a path (paths/light_paths.h). TargetFunction::kIntegrand: the sum of
+/// the magnitudes of the terms of g, so that g / q is bounded.
 void differentiate(const DerivativeInput& input, const PathRecord& record, const Rgbf& others,
                    TexelDerivatives& out);
 

@@ -6,7 +6,10 @@ namespace burnish {
 
 namespace {
 
-double sum(const Rgbf& v) { return double{v.x} + double{v.y} + double{v.z}; }
+/// Positive wherever there is light: some channels of a sky may be negative.
+double magnitude(const Rgbf& v) {
+    return std::abs(double{v.x}) + std::abs(double{v.y}) + std::abs(double{v.z});
+}
 
 /// The end of a path.
 struct PathEnd {
@@ -36,12 +39,12 @@ struct ChosenEnd {
 ChosenEnd choose_end(std::span<const ChainVertex> chain, std::size_t k, const Rgbf& before,
                      float u) {
     double all = 0;
-    for_paths_behind(chain, k, before, [&](const PathEnd&, const Rgbf& b) { all += sum(b); });
+    for_paths_behind(chain, k, before, [&](const PathEnd&, const Rgbf& b) { all += magnitude(b); });
     if (!(all > 0)) return {{}, std::isnan(all) ? all : 0};
     ChosenEnd chosen;
     double left = double{u} * all;
     for_paths_behind(chain, k, before, [&](const PathEnd& end, const Rgbf& b) {
-        const double share = sum(b);
+        const double share = magnitude(b);
         if (!(share > 0) || left < 0) return;
         chosen = {end, share / all};
         left = left < share ? -1 : left - share;

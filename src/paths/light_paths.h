@@ -57,9 +57,10 @@ struct LightPath {
 };
 
 /// Of each vertex of each chain up to two paths: to its light sample, and to one light behind its
-/// BSDF sample, chosen in proportion to the channels' sum of what each brings to the camera under
-/// the textures of tracing, f of the vertex itself left out. In expectation over the choice they
-/// are the two samples of append_samples. Returns the number of those that were not finite.
+/// BSDF sample, chosen in proportion to the sum of the channels' magnitudes of what each brings to
+/// the camera under the textures of tracing, f of the vertex itself left out. In expectation over
+/// the choice they are the two samples of append_samples. Returns the number of those that were not
+/// finite.
 std::size_t append_light_paths(const TraceInput& input, std::span<const BatchSample> samples,
                                const ChainOutput& chains, std::vector<LightPath>& out);
 

@@ -92,6 +92,62 @@ TEST(LightPaths, BringTheLightOfTheSamplesThatTheyStandFor) {
     EXPECT_GT(beyond, 50u) << "paths that end beyond the next vertex";
 }
 
+/// Three vertices that light reaches whose channels are negative on the whole, in part, or cancel.
+ChainOutput chain_in_negative_light() {
+    ChainVertex v;
+    v.f_light = v.f_next = {0.5f, 0.6f, 0.7f};
+    v.onward = {1, 1, 1};
+    ChainOutput out;
+    out.chains = {{0, 0, 3}};
+    out.vertices = {v, v, v};
+    out.vertices[0].gathered = {1, 1, 1}, out.vertices[1].gathered = {1, -1, 0};
+    out.vertices[1].emitted = {-1, 0.4f, 0}, out.vertices[2].emitted = {0.2f, 0.3f, 0.4f};
+    out.vertices[2].gathered = {-0.5f, 0.9f, -0.3f};
+    return out;
+}
+
+/// Camera samples: the numbers by which they choose behind vertex k lie one in each of so many
+/// equal parts of [0, 1).
+std::vector<BatchSample> with_all_choices(std::uint32_t k, std::uint32_t parts) {
+    std::map<std::uint32_t, BatchSample> by_part;
+    for (std::uint32_t pixel = 0; by_part.size() < parts; ++pixel) {
+        const float u = uniforms(kKey, pixel, 0, 0, kLightChoiceNumbers | k)[0];
+        by_part[static_cast<std::uint32_t>(u * static_cast<float>(parts))] = {{pixel}};
+    }
+    std::vector<BatchSample> samples;
+    for (const auto& [part, sample] : by_part) samples.push_back(sample);
+    return samples;
+}
+
+TEST(LightPaths, StandForLightWithNegativeChannels) {
+    constexpr std::uint32_t kParts = 4096;
+    const ChainOutput chains = chain_in_negative_light();
+    TraceInput input;
+    input.key = kKey;
+    const BatchSample any{};
+    std::vector<DirectSample> expected;
+    append_samples(input, {&any, 1}, chains, expected);
+    EXPECT_EQ(expected.size(), 5u);
+    for (const DirectSample& e : expected) {
+        Rgbf mean;
+        double largest = 0;
+        for (const BatchSample& sample : with_all_choices(e.vertex, kParts)) {
+            std::vector<LightPath> paths;
+            append_light_paths(input, {&sample, 1}, chains, paths);
+            for (const auto& [index, record, place] : paths) {
+                if (place.vertex != e.vertex || record.technique != e.record.technique) continue;
+                const Rgbf light =
+                    record.radiance_over_pdf * scattered_by_others(chains.vertices, place);
+                mean += light * (1.0f / kParts);
+                largest = std::max(largest, double{length(light)});
+            }
+        }
+        // Of each of five ends less than two parts more or less than its share.
+        const double difference = double{length(mean - e.record.radiance_over_pdf)};
+        EXPECT_LE(difference, 2.0 * 5 / kParts * largest) << e.vertex;
+    }
+}
+
 /// The vertices of a path, its record's among them, and which is which.
 std::vector<PathVertex> all_vertices(const TracedPaths& kept, std::size_t i) {
     std::vector<PathVertex> vertices;
@@ -174,6 +230,29 @@ TEST(LightPaths, TargetsAreZeroWhereTheOthersLetNoneOfTheLightThrough) {
         reached += texels.count;
     }
     EXPECT_GT(reached, 100);
+}
+
+TEST(LightPaths, TargetsBoundDerivativesWhereChannelsOfLightCancel) {
+    const RoomOfPaths room;
+    const Adjoint adjoint(room.scene);
+    const DerivativeInput input = adjoint.input(room.binding, TargetFunction::kIntegrand);
+    const TracedPaths kept = trace_kept(room);
+    for (const Rgbf& light : {Rgbf{1, -1, 0}, Rgbf{-1, 0.4f, 0}}) {
+        int reached = 0;
+        for (const TracedPath& p : kept.paths) {
+            PathRecord record = p.record;
+            record.radiance_over_pdf = light;
+            TexelDerivatives texels;
+            differentiate(input, record, Rgbf{1, 1, 1}, texels);
+            reached += texels.count;
+            for (int t = 0; t < texels.count; ++t) {
+                const TexelDerivative& d = texels.items[static_cast<std::size_t>(t)];
+                for (int c = 0; c < 3; ++c)
+                    EXPECT_LE(std::abs(d.g[c]), 3.0001f * std::abs(d.q)) << light.x;
+            }
+        }
+        EXPECT_GT(reached, 100) << light.x;
+    }
 }
 
 /// What the balance heuristic compares [PR eq. 13] is a function of the path: whatever densities it
