@@ -55,10 +55,6 @@ float falloff(const SpotEmitter& spot, float cosine) {
     return std::clamp((spot.cutoff - angle) / (spot.cutoff - spot.beam_width), 0.0f, 1.0f);
 }
 
-float mean_luminance(const Scene& scene, TextureId texture) {
-    return texture ? luminance_of_magnitude(mean_magnitude(scene[texture])) : 1;
-}
-
 }  // namespace
 
 LightSample sample_beam(const Scene& scene, const SpotEmitter& spot, const Vec3f& position) {
@@ -96,7 +92,7 @@ LightBounds beam_bounds(const Scene& scene, const SpotEmitter& spot) {
     return {{position, position},
             column(spot.to_world, 2),
             spot.cutoff < kNarrow ? 1.0f : -1.0f,
-            luminance_of_magnitude(spot.intensity) * mean_luminance(scene, spot.texture)};
+            luminance_of_magnitude(spot.intensity * mean_texture(scene, spot.texture))};
 }
 
 LightBounds beam_bounds(const Scene& scene, const ProjectorEmitter& projector) {
@@ -104,8 +100,8 @@ LightBounds beam_bounds(const Scene& scene, const ProjectorEmitter& projector) {
     return {{position, position},
             column(projector.to_world, 2),
             1,
-            kPi * luminance_of_magnitude(projector.irradiance) *
-                mean_luminance(scene, projector.texture)};
+            kPi * luminance_of_magnitude(projector.irradiance *
+                                         mean_texture(scene, projector.texture))};
 }
 
 }  // namespace burnish

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "ledger_entries.h"
+#include "paths/beams.h"
 #include "paths/lamps.h"
 #include "paths/light_columns.h"
 #include "paths/one_light.h"
@@ -222,6 +223,26 @@ TEST(LightSampling, ProjectorShowsItsPictureUpsideDownToTheLeft) {
     expect_color(at({0.5f, 0.1f, 3}), {0, 0.70814943f, 0.70814943f});
     EXPECT_TRUE(is_black(at({-0.3f, 0.55f, 3})));
     EXPECT_TRUE(is_black(at({0.3f, 0.3f, -1})));
+}
+
+/// What chooses lights knows of it: red light that a slide lets through or not.
+TEST(LightSampling, BeamsAreAsBrightAsWhatPassesTheirSlides) {
+    Scene scene;
+    scene.textures = {Checkerboard{{1, 0, 0}, {1, 0, 0}, {}},
+                      Checkerboard{{0, 1, 1}, {0, 1, 1}, {}}};
+    SpotEmitter spot;
+    spot.intensity = {2, 0, 0};
+    ProjectorEmitter projector;
+    projector.irradiance = {2, 0, 0};
+    const float spot_alone = beam_bounds(scene, spot).intensity,
+                projector_alone = beam_bounds(scene, projector).intensity;
+    EXPECT_GT(spot_alone, 0.0f);
+    spot.texture = projector.texture = {0};
+    EXPECT_FLOAT_EQ(beam_bounds(scene, spot).intensity, spot_alone);
+    EXPECT_FLOAT_EQ(beam_bounds(scene, projector).intensity, projector_alone);
+    spot.texture = projector.texture = {1};
+    EXPECT_EQ(beam_bounds(scene, spot).intensity, 0.0f);
+    EXPECT_EQ(beam_bounds(scene, projector).intensity, 0.0f);
 }
 
 TEST(LightSampling, DirectionalLightComesFromInfinity) {
