@@ -12,12 +12,12 @@ namespace {
 
 /// Calls body(bsdf, run) for each run of points of one BSDF.
 template <class Body>
-void for_runs(const BsdfPoints& points, const LaneRange& range, const Body& body) {
+void for_runs(const BsdfPoints& points, const IndexRange& range, const Body& body) {
     for (std::size_t begin = range.begin; begin < range.end;) {
         const BsdfId id = points.bsdfs[begin];
         std::size_t end = begin + 1;
         while (end < range.end && points.bsdfs[end] == id) ++end;
-        body(id, LaneRange{begin, end});
+        body(id, IndexRange{begin, end});
         begin = end;
     }
 }
@@ -30,7 +30,7 @@ Vec2<Packet> uv_at(const BsdfPoints& points, std::size_t i) {
 std::size_t packet_of(std::size_t lane) { return lane / kLanes * kLanes; }
 
 /// Stores the lanes of p, at lane i of the batch, that belong to the run.
-void store_run(Column& to, const LaneRange& run, std::size_t i, const Packet& p) {
+void store_run(Column& to, const IndexRange& run, std::size_t i, const Packet& p) {
     if (run.begin <= i && i + kLanes <= run.end) {
         store(to, i, p);
         return;
@@ -39,7 +39,7 @@ void store_run(Column& to, const LaneRange& run, std::size_t i, const Packet& p)
         to[k] = get(p, static_cast<int>(k - i));
 }
 
-void fill(Column& to, const LaneRange& run, float constant) {
+void fill(Column& to, const IndexRange& run, float constant) {
     std::fill_n(&to[run.begin], run.size(), constant);
 }
 
@@ -49,7 +49,7 @@ float constant_of(const BsdfPoints& points, TextureId texture) {
     return points.constants[static_cast<std::size_t>(texture.value)];
 }
 
-void look_up(const BsdfPoints& points, const ColorInput& input, const LaneRange& run,
+void look_up(const BsdfPoints& points, const ColorInput& input, const IndexRange& run,
              const std::array<Column*, 3>& to) {
     if (const float constant = constant_of(points, input.texture); !std::isnan(constant)) {
         for (Column* channel : to) fill(*channel, run, constant);
@@ -61,12 +61,13 @@ void look_up(const BsdfPoints& points, const ColorInput& input, const LaneRange&
         store_run(*to[2], run, i, c.z);
     }
 }
-void look_up(const BsdfPoints& points, const ColorInput& input, const LaneRange& run,
+void look_up(const BsdfPoints& points, const ColorInput& input, const IndexRange& run,
              ColumnVec3& to) {
     look_up(points, input, run, {&to.x, &to.y, &to.z});
 }
 
-void look_up(const BsdfPoints& points, const ScalarInput& input, const LaneRange& run, Column& to) {
+void look_up(const BsdfPoints& points, const ScalarInput& input, const IndexRange& run,
+             Column& to) {
     if (!input.texture) {
         fill(to, run, input.constant);
         return;
@@ -93,8 +94,8 @@ BsdfConstants<float> constants_of(const Bsdf& bsdf) {
 
 }  // namespace
 
-void look_up_rows(const BsdfPoints& points, const LaneRange& range, BsdfColumns& lanes) {
-    for_runs(points, range, [&](BsdfId id, const LaneRange& run) {
+void look_up_rows(const BsdfPoints& points, const IndexRange& range, BsdfColumns& lanes) {
+    for_runs(points, range, [&](BsdfId id, const IndexRange& run) {
         const Bsdf& bsdf = (*points.scene)[id];
         std::size_t place = 0;
         for (const ColorInput& color : colors_of(bsdf)) {
@@ -112,21 +113,21 @@ void look_up_rows(const BsdfPoints& points, const LaneRange& range, BsdfColumns&
     });
 }
 
-BsdfPackets<Diffuse>::BsdfPackets(const BsdfPoints& points, const LaneRange& range,
+BsdfPackets<Diffuse>::BsdfPackets(const BsdfPoints& points, const IndexRange& range,
                                   BsdfColumns& lanes)
     : lanes_(&lanes) {
-    for_runs(points, range, [&](BsdfId id, const LaneRange& run) {
+    for_runs(points, range, [&](BsdfId id, const IndexRange& run) {
         look_up(points, std::get<Diffuse>((*points.scene)[id]).reflectance, run, lanes.color);
     });
 }
 
-BsdfPackets<Principled>::BsdfPackets(const BsdfPoints& points, const LaneRange& range,
+BsdfPackets<Principled>::BsdfPackets(const BsdfPoints& points, const IndexRange& range,
                                      BsdfColumns& lanes)
     : lanes_(&lanes) {
     auto& p = lobes_;
     p.has_spec_trans = p.has_clearcoat = p.has_sheen = p.has_flatness = p.has_spec_tint =
         p.has_anisotropic = false;
-    for_runs(points, range, [&](BsdfId id, const LaneRange& run) {
+    for_runs(points, range, [&](BsdfId id, const IndexRange& run) {
         const auto& bsdf = std::get<Principled>((*points.scene)[id]);
         p.has_spec_trans |= bsdf.has_spec_trans, p.has_clearcoat |= bsdf.has_clearcoat;
         p.has_sheen |= bsdf.has_sheen, p.has_flatness |= bsdf.has_flatness;

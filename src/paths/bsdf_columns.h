@@ -29,8 +29,6 @@ struct BsdfColumns {
     std::array<const float*, kMaxLanes> tables;
 };
 
-using LaneRange = IndexRange;  ///< lanes of points
-
 /// For each texture of the scene a value in place of its texels, NaN where they are read; empty:
 /// all are.
 using ConstantTextures = std::vector<float>;
@@ -46,7 +44,7 @@ struct BsdfPoints {
 };
 
 /// The rows of points whose BSDFs are neither diffuse nor principled.
-void look_up_rows(const BsdfPoints& points, const LaneRange& range, BsdfColumns& lanes);
+void look_up_rows(const BsdfPoints& points, const IndexRange& range, BsdfColumns& lanes);
 
 /// The points of one kind of BSDF, a packet at a time: eval_pdf(i, wi, wo) and sample(i, wi, u,
 /// u_lobe) for the packet that begins at lane i. One specialisation for each alternative of Bsdf,
@@ -54,7 +52,7 @@ void look_up_rows(const BsdfPoints& points, const LaneRange& range, BsdfColumns&
 template <class Kind>
 class BsdfPackets {
   public:
-    BsdfPackets(const BsdfPoints& points, const LaneRange& range, BsdfColumns& lanes)
+    BsdfPackets(const BsdfPoints& points, const IndexRange& range, BsdfColumns& lanes)
         : lanes_(&lanes) {
         look_up_rows(points, range, lanes);
     }
@@ -85,7 +83,7 @@ class BsdfPackets {
 template <>
 class BsdfPackets<Diffuse> {
   public:
-    BsdfPackets(const BsdfPoints& points, const LaneRange& range, BsdfColumns& lanes);
+    BsdfPackets(const BsdfPoints& points, const IndexRange& range, BsdfColumns& lanes);
 
     BsdfValue<Packet> eval_pdf(std::size_t i, const Vec3<Packet>& wi,
                                const Vec3<Packet>& wo) const {
@@ -104,7 +102,7 @@ class BsdfPackets<Diffuse> {
 template <>
 class BsdfPackets<Principled> {
   public:
-    BsdfPackets(const BsdfPoints& points, const LaneRange& range, BsdfColumns& lanes);
+    BsdfPackets(const BsdfPoints& points, const IndexRange& range, BsdfColumns& lanes);
 
     BsdfValue<Packet> eval_pdf(std::size_t i, const Vec3<Packet>& wi,
                                const Vec3<Packet>& wo) const {
@@ -123,7 +121,7 @@ class BsdfPackets<Principled> {
 };
 
 /// The lanes of each kind, whole packets; in the order of Bsdf's alternatives.
-using LanesOfKinds = std::array<LaneRange, std::variant_size_v<Bsdf>>;
+using LanesOfKinds = std::array<IndexRange, std::variant_size_v<Bsdf>>;
 
 /// All kinds of a batch, in that order.
 inline auto make_bsdf_packets(const BsdfPoints& points, const LanesOfKinds& kinds,

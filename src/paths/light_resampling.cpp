@@ -12,7 +12,7 @@ constexpr float kEvenShare = 0.1f;
 void weigh_candidate(const TraceInput& input, const PointLanes& points, const PointBsdfs& bsdfs,
                      LightCandidate& candidate) {
     const LightColumns& light = candidate.light;
-    bsdfs.for_each_kind([&]<class Kind>(const Kind& bsdf, const LaneRange& range) {
+    bsdfs.for_each_kind([&]<class Kind>(const Kind& bsdf, const IndexRange& range) {
         if (Kind::kHasOnlyDelta) return;
         for (std::size_t i = range.begin; i < range.end; i += kLanes) {
             const auto [wo, f, pdf] = scatter_light(bsdf, points, light, i);

@@ -27,7 +27,7 @@ std::array<Packet, 4> uniforms_of(const TraceInput& input, std::span<const Batch
 }
 
 /// The lanes behind a kind's last point repeat it.
-void pad_kind(std::size_t end, const LaneRange& kind, PointLanes& points) {
+void pad_kind(std::size_t end, const IndexRange& kind, PointLanes& points) {
     for (std::size_t i = end; i < kind.end; ++i) {
         points.sample[i] = points.sample[end - 1];
         points.bsdf[i] = points.bsdf[end - 1];

@@ -116,7 +116,7 @@ ActiveList want_light(std::span<const BatchSample> samples, const PointLanes& po
                       const PointBsdfs& bsdfs) {
     ActiveList wanted;
     std::size_t k = 0;
-    bsdfs.for_each_kind([&]<class Kind>(const Kind&, const LaneRange& range) {
+    bsdfs.for_each_kind([&]<class Kind>(const Kind&, const IndexRange& range) {
         for (; k < points.live.count && points.live.lane[k] < range.end; ++k)
             if (!Kind::kHasOnlyDelta && samples[points.sample[points.live.lane[k]]].emitter)
                 wanted.add(points.live.lane[k]);
@@ -143,7 +143,7 @@ void sample_emitters(const TraceInput& input, std::span<const BatchSample> sampl
     else
         sample_lights(*input.scene->lights, d.uniform, points.position, wanted, points.count, 0,
                       w.light);
-    bsdfs.for_each_kind([&]<class Kind>(const Kind& bsdf, const LaneRange& range) {
+    bsdfs.for_each_kind([&]<class Kind>(const Kind& bsdf, const IndexRange& range) {
         if (Kind::kHasOnlyDelta) return;
         for (std::size_t i = range.begin; i < range.end; i += kLanes) {
             const auto [wo, f, pdf] = chooses ? take_chosen(w.candidates, i, w.light)
@@ -181,7 +181,7 @@ void sample_bsdfs(const TraceInput& input, std::span<const BatchSample> samples,
     draw_uniforms(input, samples, points, Technique::kBsdf, bounce, d.uniform);
     const auto& u = d.uniform;
     std::fill_n(d.delta.begin(), points.count, 0);
-    bsdfs.for_each_kind([&](const auto& bsdf, const LaneRange& range) {
+    bsdfs.for_each_kind([&](const auto& bsdf, const IndexRange& range) {
         for (std::size_t i = range.begin; i < range.end; i += kLanes) {
             const Vec3<Packet> wi = load(points.wi, i);
             const auto sampled =

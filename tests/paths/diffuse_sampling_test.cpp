@@ -69,7 +69,7 @@ class SeenSurface {
         const TraceInput input{&traced_, &textures, {1, Stream::kTest}, 1, SurfaceChoice::kAll, {}};
         trace_primary_rays(input, {&sample, 1}, *film_, *primary_, {&emitted, 1});
         find_points(input, 1, *primary_, *points_);
-        const LaneRange& range = points_->kinds[0];
+        const IndexRange& range = points_->kinds[0];
         bsdf_.emplace(BsdfPoints{&scene_, &textures, points_->bsdf, &points_->u, &points_->v},
                       range, *lanes_);
     }
