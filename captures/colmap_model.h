@@ -29,7 +29,8 @@ std::vector<ColmapImage> read_images_text(const std::string& file);
 std::vector<ColmapCamera> read_cameras_binary(const std::string& file);
 std::vector<ColmapImage> read_images_binary(const std::string& file);
 
-/// A side of a picture, 1 to 32768 pixels. Throws InputError with the place.
+/// A side of a picture. Throws InputError with the place and what was found there where it is none:
+/// see is_side.
 int colmap_side(const std::string& place, const std::string& found, double pixels);
 
 }  // namespace burnish

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <charconv>
-#include <cmath>
 #include <optional>
 #include <string_view>
 
@@ -13,6 +12,7 @@
 #include "captures/colmap_model.h"
 #include "core/parsed.h"
 #include "image/files.h"
+#include "image/image.h"
 
 namespace burnish {
 
@@ -97,7 +97,8 @@ ColmapCamera camera_of_line(const Line& line) {
     if (!model) refuse_line(line, name, "one of " + camera_model_names());
     std::array<int, 2> size{};
     for (int& s : size) {
-        const auto pixels = words.number<double>("a side in pixels, 1 to 32768");
+        const auto pixels =
+            words.number<double>(fmt::format("a side in pixels, 1 to {}", kMaxImageSide));
         s = colmap_side(line.place, fmt::format("{:g}", pixels), pixels);
     }
     std::vector<double> parameters;
@@ -125,13 +126,6 @@ ColmapImage image_of_line(const Line& line) {
 }
 
 }  // namespace
-
-int colmap_side(const std::string& place, const std::string& found, double pixels) {
-    if (pixels >= 1 && pixels <= 32768 && pixels == std::floor(pixels))
-        return static_cast<int>(pixels);
-    throw InputError(
-        fmt::format("{}: found a side of {} pixels, expected 1 to 32768", place, found));
-}
 
 std::vector<ColmapCamera> read_cameras_text(const std::string& file) {
     const std::string bytes = read_text_bytes(file);

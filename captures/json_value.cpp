@@ -4,12 +4,12 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
-#include <cmath>
 #include <filesystem>
 #include <set>
 
 #include "burnish/error.h"
 #include "image/files.h"
+#include "image/image.h"
 
 namespace burnish {
 
@@ -109,8 +109,7 @@ Matrix matrix(const Value& v) {
 
 int side(const Value& v) {
     const double value = number(v);
-    if (!(value >= 1 && value <= 32768) || value != std::floor(value))
-        fail(v, "pixels, 1 to 32768");
+    if (!is_side(value)) fail(v, fmt::format("pixels, 1 to {}", kMaxImageSide));
     return static_cast<int>(value);
 }
 

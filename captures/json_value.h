@@ -37,7 +37,7 @@ double number(const Value& v);
 std::vector<double> numbers(const Value& v, std::size_t count);
 /// Four rows of four numbers.
 Matrix matrix(const Value& v);
-/// A side of a picture, 1 to 32768 pixels.
+/// A side of a picture: see is_side.
 int side(const Value& v);
 
 /// Where `named` leads from a folder, or empty where it is absolute or leaves it by "..". Links are

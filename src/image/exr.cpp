@@ -28,6 +28,7 @@
 #include "burnish/error.h"
 #include "core/lower_case.h"
 #include "image/formats.h"
+#include "image/xyz.h"
 
 namespace burnish {
 
@@ -95,12 +96,13 @@ Picture pick_channels(const std::string& name, const Imf::ChannelList& channels)
 /// A colour is a row that is multiplied with it from the left.
 using ColorMatrix = Imath::M44f;
 
-/// XYZ to linear Rec. 709, with the digits that Mitsuba has.
+/// XYZ to linear Rec. 709.
 ColorMatrix matrix_of_xyz() {
-    return {3.240479f,  -0.969256f, 0.055648f,  0.0f,  //
-            -1.537150f, 1.875991f,  -0.204043f, 0.0f,  //
-            -0.498535f, 0.041556f,  1.057311f,  0.0f,  //
-            0.0f,       0.0f,       0.0f,       1.0f};
+    ColorMatrix matrix;
+    for (int from = 0; from < 3; ++from)
+        for (int to = 0; to < 3; ++to)
+            matrix[from][to] = static_cast<float>(kRec709OfXyz[to][from]);
+    return matrix;
 }
 
 bool is_near(const Imf::Chromaticities& a, const Imf::Chromaticities& b) {

@@ -1,6 +1,7 @@
 // An image in memory and the files that it comes from and goes to.
 #pragma once
 
+#include <cmath>
 #include <cstdint>
 #include <filesystem>
 #include <string>
@@ -13,6 +14,10 @@
 namespace burnish {
 
 inline constexpr int kMaxImageSide = 32768;  ///< pixels
+/// Whether a number of pixels may be a side of an image: whole, from 1 to kMaxImageSide.
+inline bool is_side(double pixels) {
+    return pixels >= 1 && pixels <= kMaxImageSide && pixels == std::floor(pixels);
+}
 
 /// Gives an image another shape and keeps its memory; the values are unspecified.
 inline void reshape(Image& image, int width, int height, int channels) {

@@ -8,6 +8,7 @@
 #include "burnish/error.h"
 #include "core/variant.h"
 #include "image/image.h"
+#include "image/quality.h"
 #include "image/whole.h"
 
 namespace burnish {
@@ -61,16 +62,11 @@ std::size_t count_negative(const Image& image) {
     return count;
 }
 
-bool is_used(const Photograph& p, std::size_t pixel) {
-    if (p.mask.width == 0) return true;
-    const auto at = p.mask.values.begin() + static_cast<std::ptrdiff_t>(pixel) * p.mask.channels;
-    return std::any_of(at, at + p.mask.channels, [](float w) { return w > 0; });
-}
-
 std::size_t count_clipped(const Photograph& p) {
+    const std::vector<char> counted = counted_pixels(p.mask);
     std::size_t count = 0;
     for (std::size_t i = 0; i < p.clipped.values.size(); ++i)
-        count += p.clipped.values[i] > 0 && is_used(p, i);
+        count += p.clipped.values[i] > 0 && (counted.empty() || counted[i]);
     return count;
 }
 

@@ -8,6 +8,7 @@
 #include "burnish/error.h"
 #include "burnish/photograph.h"
 #include "core/parallel.h"
+#include "image/quality.h"
 #include "image/whole.h"
 
 namespace burnish {
@@ -86,14 +87,11 @@ Image average(const Image& image, const Image& mask, const ScaledSize& size) {
     return weighted;
 }
 
-/// `clipped` where the pixel counts: where its mask is above 0 in a channel.
+/// `clipped` where the pixel counts.
 Image clipped_within(const Image& mask, Image clipped) {
-    const auto channels = static_cast<std::size_t>(mask.channels);
-    for (std::size_t i = 0; mask.width > 0 && i < clipped.values.size(); ++i) {
-        const float* weights = mask.values.data() + i * channels;
-        if (std::all_of(weights, weights + channels, [](float w) { return w <= 0; }))
-            clipped.values[i] = 0;
-    }
+    const std::vector<char> counted = counted_pixels(mask);
+    for (std::size_t i = 0; i < counted.size(); ++i)
+        if (!counted[i]) clipped.values[i] = 0;
     return clipped;
 }
 

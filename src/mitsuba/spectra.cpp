@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "image/files.h"
+#include "image/xyz.h"
 #include "mitsuba/numbers.h"
 
 namespace burnish::mitsuba {
@@ -74,10 +75,11 @@ constexpr std::array<Wavelength, 95> kWavelengths{{
     // clang-format on
 }};
 
-Vec3<double> to_linear_srgb(const Vec3<double>& c) {
-    return {3.240479 * c.x - 1.537150 * c.y - 0.498535 * c.z,
-            -0.969256 * c.x + 1.875991 * c.y + 0.041556 * c.z,
-            0.055648 * c.x - 0.204043 * c.y + 1.057311 * c.z};
+Vec3<double> rec709_of(const Vec3<double>& xyz) {
+    const auto row = [&](const double* of) {
+        return of[0] * xyz.x + of[1] * xyz.y + of[2] * xyz.z;
+    };
+    return {row(kRec709OfXyz[0]), row(kRec709OfXyz[1]), row(kRec709OfXyz[2])};
 }
 
 struct Sample {
@@ -136,7 +138,7 @@ Rgbf rgb_of_spectrum(const std::string& text, SpectrumUse use, const Place& plac
             (use == SpectrumUse::kEmission ? 1 : double{w.daylight} / kDaylightMean);
         xyz = xyz + Vec3<double>{double{w.x}, double{w.y}, double{w.z}} * value;
     }
-    const Vec3<double> rgb = to_linear_srgb(xyz * ((kLast - kFirst) / kSteps / kObserverArea));
+    const Vec3<double> rgb = rec709_of(xyz * ((kLast - kFirst) / kSteps / kObserverArea));
     const auto clamped = [&](double v) {
         v = std::max(v, 0.0);
         return static_cast<float>(use == SpectrumUse::kReflectance ? std::min(v, 1.0) : v);

@@ -65,12 +65,16 @@ void keep_crop_window(PerspectiveCamera& camera, Film& film) {
     film.crop_x = film.crop_y = 0;
 }
 
+void require_sides(const std::string& whose, int width, int height) {
+    const std::string found = whose + " has " + size_text(width, height) + " pixels";
+    require(is_side(width) && is_side(height),
+            found + ": expected 1 to " + std::to_string(kMaxImageSide) + " a side");
+}
+
 /// A sensor with a picture of another size: its field of view stays, and its middle.
 void resize(int width, int height, PerspectiveCamera& camera, Film& film) {
     if (width == film.crop_width && height == film.crop_height) return;
-    require(width >= 1 && height >= 1 && width <= kMaxImageSide && height <= kMaxImageSide,
-            "the picture has " + size_text(width, height) + " pixels: expected 1 to " +
-                std::to_string(kMaxImageSide) + " a side");
+    require_sides("the picture", width, height);
     require_aspect(film, width, height, 1);
     if (is_cropped(film)) keep_crop_window(camera, film);
     camera.principal_offset_y *= rows_of(film, width) / height;
@@ -103,10 +107,7 @@ double reach_aside(const Camera& camera) {
 }
 
 void check_pixels(const Camera& camera) {
-    const auto in_range = [](int side) { return side >= 1 && side <= kMaxImageSide; };
-    require(in_range(camera.width) && in_range(camera.height),
-            "the camera has " + size_text(camera.width, camera.height) + " pixels: expected 1 to " +
-                std::to_string(kMaxImageSide) + " a side");
+    require_sides("the camera", camera.width, camera.height);
     require(camera.focal_x > 0 && camera.focal_y > 0 && std::isfinite(camera.focal_x) &&
                 std::isfinite(camera.focal_y),
             "the camera's focal lengths are " + std::to_string(camera.focal_x) + " and " +
