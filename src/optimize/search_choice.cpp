@@ -211,7 +211,7 @@ Image make_start(const GroupSearch& s, const StartInput& input,
 }  // namespace
 
 GroupColors choose_colors(const GroupSearch& s) {
-    if (!s.group.has_color) return {};
+    if (!s.group.color) return {};
     GroupColors colors(s.sums.colors.size());
     parallel_for(s.regions(), [&](std::size_t r) {
         const auto around = neighbours(s.group.regions, static_cast<std::uint32_t>(r));

@@ -47,7 +47,7 @@ Moments tile_moments(const TracedTile& t, std::size_t group, std::size_t candida
     const SearchFrame& f = t.frame;
     const GroupPictures pictures = shade_group(t, group, candidate);
     const auto& black = pictures.black;
-    const auto& white = f.plan.groups[group].has_color ? pictures.white : black;
+    const auto& white = f.plan.groups[group].color ? pictures.white : black;
     Moments sum;
     for (const RegionShare& s : t.shares[group])
         for (std::size_t c = 0; c < 3; ++c) {
@@ -178,17 +178,17 @@ Fit fit_candidate(std::span<const SearchView> views, std::span<const ViewMoments
 
 }  // namespace
 
-std::vector<SearchView> with_exposures(const SearchPlan& full, std::span<const SearchView> views) {
+std::vector<SearchView> with_exposures(const SearchPlan& plan, std::span<const SearchView> views) {
     if (std::none_of(views.begin(), views.end(),
                      [](const SearchView& v) { return fits_exposure(v.exposure); }))
         return {views.begin(), views.end()};
     constexpr std::uint32_t kPasses = 4;  // a number for each view needs few samples
-    SearchPlan plan = full;
-    plan.passes = std::min(plan.passes, kPasses), plan.seed = seed_of_half(plan.seed, 2);
+    SearchPlan brief = plan;
+    brief.passes = std::min(plan.passes, kPasses), brief.seed = seed_of_half(plan.seed, 2);
     std::vector<SearchView> plain;
     for (const SearchView& v : views) plain.push_back({v.scene, v.target, v.mask});
     std::vector<ViewMoments> moments;
-    for (const SearchFrame& frame : make_search_frames(plan, plain))
+    for (const SearchFrame& frame : make_search_frames(brief, plain))
         moments.push_back(view_moments(frame));
     std::vector<ViewEquation> normals(views.size());
     for (std::size_t v = 0; v < views.size(); ++v) normals[v].add(moments[v].constant, {});

@@ -231,13 +231,13 @@ GuideTree grow_tree(const SearchGroup& group, const std::vector<char>& known,
     for (const std::uint32_t label : labels)
         values.values.insert(values.values.end(), group.candidates[label].begin(),
                              group.candidates[label].end());
-    return grow_guide_tree(group.guide, values, known);
+    return grow_guide_tree(group.guide_means, values, known);
 }
 
 std::vector<std::uint32_t> leaves_of_regions(const SearchGroup& group, const GuideTree& tree) {
     std::vector<std::uint32_t> leaves;
     for (std::size_t r = 0; r < group.regions.regions.size(); ++r)
-        leaves.push_back(leaf_of(tree, group.guide[r]));
+        leaves.push_back(leaf_of(tree, group.guide_means[r]));
     return leaves;
 }
 

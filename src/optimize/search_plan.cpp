@@ -35,14 +35,13 @@ SearchGroup make_group(const Scene& scene, const SearchPlan& plan,
     const auto is_uniform = [&](std::size_t m) {
         return bitmap(m).width == 1 && bitmap(m).height == 1;
     };
-    const auto color =
-        std::ranges::find_if(members, [&](std::size_t m) { return plan.colors[m] != 0; });
-    g.has_color = color != members.end();
-    const std::size_t colored = g.has_color ? *color : 0;
-    g.gray = g.has_color && bitmap(colored).channels == 1;
+    std::optional<std::size_t> colored;
+    for (const std::size_t m : members)
+        if (plan.colors[m] && !colored) colored = m;
+    g.gray = colored && bitmap(*colored).channels == 1;
     std::ranges::stable_partition(members, std::not_fn(is_uniform));
-    if (g.has_color)
-        g.color = static_cast<std::size_t>(std::ranges::find(members, colored) - members.begin());
+    if (colored)
+        g.color = static_cast<std::size_t>(std::ranges::find(members, *colored) - members.begin());
     for (const std::size_t m : members) g.uniform.push_back(is_uniform(m));
     g.members = std::move(members);
     return g;
@@ -67,6 +66,15 @@ std::vector<SearchGroup> make_groups(const Scene& scene, const SearchPlan& plan)
         if (!members.empty()) groups.push_back(make_group(scene, plan, std::move(members)));
     }
     return groups;
+}
+
+/// The unknowns in their groups; what is tried, and how often, comes later.
+SearchPlan grouped(const Scene& scene, std::vector<TextureId> unknowns) {
+    SearchPlan plan;
+    for (const TextureId id : unknowns) plan.colors.push_back(read_as_color(scene, id));
+    plan.unknowns = std::move(unknowns);
+    plan.groups = make_groups(scene, plan);
+    return plan;
 }
 
 /// All combinations; numbers for which there is no room left stay in the middle.
@@ -95,7 +103,7 @@ std::vector<float> make_prior_costs(const Scene& scene, const SearchPlan& plan,
     constexpr float kMetal = 1;
     std::vector<float> costs(group.candidates.size());
     for (std::size_t m = 0; m < group.members.size(); ++m)
-        if (group.has_color && read_as_metallic(scene, plan.unknowns[group.members[m]]))
+        if (group.color && read_as_metallic(scene, plan.unknowns[group.members[m]]))
             for (std::size_t k = 0; k < costs.size(); ++k)
                 costs[k] += kMetal * group.candidates[k][m];
     return costs;
@@ -104,10 +112,7 @@ std::vector<float> make_prior_costs(const Scene& scene, const SearchPlan& plan,
 /// Pixels of all views that may see an unknown.
 double count_seen(std::span<const SearchView> views, const SearchPlan& plan) {
     const Scene& scene = *views.front().scene.scene;
-    std::vector<char> unknown;
-    for (std::size_t b = 0; b < scene.bsdfs.size(); ++b)
-        unknown.push_back(std::any_of(plan.unknowns.begin(), plan.unknowns.end(),
-                                      [&](TextureId id) { return reads(scene, bsdf_at(b), id); }));
+    const std::vector<char> unknown = unknown_bsdfs(scene, unknown_slots(scene, plan));
     double seen = 0;
     for (const SearchView& view : views) {
         const auto pixels = visible_pixels(view.scene, unknown);
@@ -155,16 +160,12 @@ std::vector<float> candidate_grid(bool is_roughness, std::size_t numbers) {
 }
 
 bool may_search_again(const SearchGroup& group) {
-    return !group.has_color && std::ranges::none_of(group.uniform, [](char u) { return u != 0; });
+    return !group.color && std::ranges::none_of(group.uniform, [](char u) { return u != 0; });
 }
 
 bool may_search_again(const Scene& scene, std::span<const TextureId> unknowns) {
-    SearchPlan plan;
-    for (const TextureId id : unknowns) {
-        plan.unknowns.push_back(id);
-        plan.colors.push_back(read_as_color(scene, id));
-    }
-    return std::ranges::any_of(make_groups(scene, plan),
+    const SearchPlan plan = grouped(scene, {unknowns.begin(), unknowns.end()});
+    return std::ranges::any_of(plan.groups,
                                [](const SearchGroup& g) { return may_search_again(g); });
 }
 
@@ -172,21 +173,18 @@ SearchPlan make_search_plan(std::span<const SearchView> views,
                             std::span<const SearchUnknown> unknowns, std::uint32_t seed,
                             double effort) {
     const Scene& scene = *views.front().scene.scene;
-    SearchPlan plan;
+    std::vector<TextureId> textures;
+    for (const SearchUnknown& u : unknowns) textures.push_back(u.texture);
+    SearchPlan plan = grouped(scene, std::move(textures));
     plan.seed = seed;
-    for (const SearchUnknown& u : unknowns) {
-        plan.unknowns.push_back(u.texture);
-        plan.colors.push_back(read_as_color(scene, u.texture));
-    }
-    plan.groups = make_groups(scene, plan);
     double work = kTraceWork;
     bool beside_colors = false;
     for (SearchGroup& g : plan.groups) {
         g.candidates = make_candidates(scene, plan, g);
         g.prior_costs = make_prior_costs(scene, plan, g);
         // Black and white; half as many samples tell the colours first.
-        work += static_cast<double>(g.candidates.size()) * (g.has_color ? 3 : 1);
-        beside_colors |= g.has_color && g.candidates.size() > 1;
+        work += static_cast<double>(g.candidates.size()) * (g.color ? 3 : 1);
+        beside_colors |= g.color && g.candidates.size() > 1;
     }
     const double seen = std::max(1.0, count_seen(views, plan));
     const bool enlarges = beside_colors || scale_for(seen, kPassesOfPixels, work) > 1;
@@ -204,7 +202,7 @@ SearchPlan make_search_plan(std::span<const SearchView> views,
         g.regions =
             make_regions(u.charts, bitmap.width, bitmap.height, region_side(bitmap, blocks));
         g.guides = guides_of_group(g, unknowns);
-        if (!g.guides.empty()) g.guide = read_guides(scene, g, bitmap);
+        if (!g.guides.empty()) g.guide_means = read_guides(scene, g, bitmap);
     }
     return plan;
 }

@@ -269,7 +269,7 @@ GroupPictures shade_group(const TracedTile& t, std::size_t group, std::size_t ca
             return shade_half(t.frame, t.halves[h], group, g.candidates[candidate], color);
         };
         pictures.black[h] = at(0);
-        if (g.has_color) pictures.white[h] = at(1);
+        if (g.color) pictures.white[h] = at(1);
     }
     return pictures;
 }

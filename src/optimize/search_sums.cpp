@@ -62,7 +62,7 @@ double cost_of(double loss) { return std::log(std::max(0.0, loss) + kNoLoss); }
 GroupSums make_sums(std::size_t regions, const SearchGroup& group) {
     const std::size_t all = regions * group.candidates.size();
     return {std::vector<double>(regions), std::vector<double>(all), std::vector<double>(all),
-            std::vector<ColorSums>(group.has_color ? all : 0)};
+            std::vector<ColorSums>(group.color ? all : 0)};
 }
 
 TileSums find_regions(std::span<const RegionShare> shares, const SearchGroup& group) {
@@ -90,18 +90,18 @@ TileSums sum_tile(const TracedTile& tile, std::size_t group, const GroupColors* 
     for (std::size_t k = 0; k < candidates; ++k) {
         const GroupPictures pictures = shade_group(tile, group, k);
         const Pictures& black = pictures.black;
-        const Pictures& white = g.has_color ? pictures.white : black;
+        const Pictures& white = g.color ? pictures.white : black;
         for (std::size_t i = 0; i < shares.size(); ++i) {
             const auto own = static_cast<int>(shares[i].square);
             const std::size_t at = 3 * frame_index(f, tile.tile, own);
             const SquareInput square{&f.target[at], &f.weight[at], shares[i].square, black, white};
             const std::size_t to = index[i] * candidates + k;
             const double share = double{shares[i].weight};
-            if (g.has_color) t.of.colors[to] += color_sums(square) * share;
+            if (g.color) t.of.colors[to] += color_sums(square) * share;
             if (!colors) continue;
             const double loss =
-                loss_of(square, g.has_color ? (*colors)[shares[i].region * candidates + k]
-                                            : GroupColors::value_type{});
+                loss_of(square, g.color ? (*colors)[shares[i].region * candidates + k]
+                                        : GroupColors::value_type{});
             t.of.losses[to] += share * loss;
             t.of.costs[to] += share * cost_of(loss);
         }
@@ -123,7 +123,7 @@ void add(const TileSums& t, std::size_t candidates, GroupSums& sums) {
 
 /// Whether there is something to sum up: colours alone without any, costs with those of the group.
 bool is_summed(const SearchGroup& group, const GroupColors* colors) {
-    return colors ? group.has_color == !colors->empty() : group.has_color;
+    return colors ? group.color.has_value() == !colors->empty() : group.color.has_value();
 }
 
 /// For each group. colors: of the groups; empty: what the tile says of them alone.

@@ -20,8 +20,6 @@ namespace burnish {
 struct ColorSums {
     std::array<double, 3> target{};  ///< t - a
     std::array<double, 3> slope{};   ///< b
-
-    friend bool operator==(const ColorSums&, const ColorSums&) = default;
 };
 ColorSums& operator+=(ColorSums& to, const ColorSums& from);
 ColorSums operator*(const ColorSums& sums, double factor);

@@ -57,7 +57,7 @@ float uniform_value(const GroupSearch& s, const std::vector<std::uint32_t>& labe
     for (std::size_t r = 0; r < s.regions(); ++r) {
         if (!s.is_known(r)) continue;
         squares[s.group.candidates[labels[r]][member]] += s.sums.squares[r];
-        if (s.group.has_color) colors += s.color_at(r, labels[r]);
+        if (s.group.color) colors += s.color_at(r, labels[r]);
     }
     if (s.plan.colors[s.group.members[member]])
         return member == s.group.color ? color_of(colors, s.group.gray)[channel] : 0.5f;

@@ -33,9 +33,7 @@ int group_of(const SearchFrame& f, TextureId texture) {
 
 void find_bsdfs(SearchFrame& f) {
     const Scene& scene = *f.view.scene.scene;
-    f.slots.assign(scene.textures.size(), -1);
-    for (std::size_t i = 0; i < f.plan.unknowns.size(); ++i)
-        f.slots[static_cast<std::size_t>(f.plan.unknowns[i].value)] = static_cast<int>(i);
+    f.slots = unknown_slots(scene, f.plan);
     for (std::size_t i = 0; i < scene.bsdfs.size(); ++i) {
         int group = -1;
         for (const TextureId id : textures_of(scene, BsdfId{static_cast<std::int32_t>(i)}))
@@ -165,6 +163,13 @@ void draw_halves(SearchFrame& f, std::uint32_t seed, std::uint32_t passes, std::
 }
 
 }  // namespace
+
+std::vector<int> unknown_slots(const Scene& scene, const SearchPlan& plan) {
+    std::vector<int> slots(scene.textures.size(), -1);
+    for (std::size_t i = 0; i < plan.unknowns.size(); ++i)
+        slots[static_cast<std::size_t>(plan.unknowns[i].value)] = static_cast<int>(i);
+    return slots;
+}
 
 int draw_shift(const ReconstructionFilter& filter, int scale, float offset, float u) {
     const int halo = filter_halo(filter);

@@ -11,6 +11,7 @@
 #include <array>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -37,16 +38,15 @@ struct SearchGroup {
     std::vector<std::size_t> members;
     std::vector<char> uniform;  ///< parallel to members: non-zero where a texel is all
     TextureRegions regions;     ///< of the first member's texture
-    bool has_color = false;     ///< a member is read as a colour
     /// The member whose colour is searched, the first that was asked for; others stay at 0.5:
-    /// one picture tells the colour of one.
-    std::size_t color = 0;
+    /// one picture tells the colour of one. None where no member is read as a colour.
+    std::optional<std::size_t> color;
     bool gray = false;  ///< that member has one number for its channels
     /// Values of the members, the same in all regions. Those of colours are not read.
     std::vector<std::vector<float>> candidates;
     std::vector<float> prior_costs;  ///< of the candidates, in every region
     std::vector<TextureId> guides;   ///< known textures that the same materials read
-    Rows guide;                      ///< their means over each region; empty: none
+    Rows guide_means;                ///< over each region; empty: none
 };
 
 /// What is searched, and with how many samples.
@@ -60,6 +60,9 @@ struct SearchPlan {
     std::uint32_t passes = 1;  ///< of each half
     std::uint32_t seed = 0;
 };
+
+/// The unknown that each texture of the scene is, -1: none.
+std::vector<int> unknown_slots(const Scene& scene, const SearchPlan& plan);
 
 /// Pixels from the sample's own square: x, y.
 using SearchShift = std::array<int, 2>;
@@ -81,7 +84,7 @@ struct SearchFrame {
     std::vector<float> target = {}, weight = {};
     std::array<SearchPasses, 2> halves = {};
     // Of the scene.
-    std::vector<int> slots = {};           ///< the unknown that each texture is, -1: none
+    std::vector<int> slots = {};           ///< see unknown_slots
     std::vector<int> groups = {};          ///< of each BSDF, -1: none
     std::vector<char> unknown_bsdfs = {};  ///< as of TraceInput; non-zero: has a group
     /// Of the shaders; the unknowns' texels are never read.

@@ -47,15 +47,18 @@ Progress part_of(const Progress& progress, double begin, double end) {
     return [&progress, begin, end](double share) { progress(begin + share * (end - begin)); };
 }
 
+bool has_color(const SearchPlan& plan) {
+    return std::ranges::any_of(plan.groups,
+                               [](const SearchGroup& g) { return g.color.has_value(); });
+}
+
 /// Half as many samples, of their own, tell the colours first.
 std::vector<GroupSums> sum_views(const SearchPlan& plan, std::span<SearchFrame> frames,
                                  const Progress& progress) {
     std::vector<GroupSums> sums;
     for (const SearchGroup& g : plan.groups) sums.push_back(make_sums(g));
-    const bool has_color = std::any_of(plan.groups.begin(), plan.groups.end(),
-                                       [](const SearchGroup& g) { return g.has_color; });
-    const double of_colors = has_color ? 1.0 / 3 : 0;
-    if (has_color) {
+    const double of_colors = has_color(plan) ? 1.0 / 3 : 0;
+    if (has_color(plan)) {
         draw_passes(frames, seed_of_half(plan.seed, 1), plan.passes / 2);
         add_colors(frames, sums, part_of(progress, 0, of_colors));
         draw_passes(frames, plan.seed, plan.passes);
@@ -69,16 +72,16 @@ std::vector<GroupSums> sum_views(const SearchPlan& plan, std::span<SearchFrame> 
 
 }  // namespace
 
-FoundStarts search_starts(std::span<const SearchView> all_views,
+FoundStarts search_starts(std::span<const SearchView> views,
                           std::span<const SearchUnknown> unknowns, std::uint32_t seed,
                           double effort, const Progress& progress, const Theta& others) {
     std::vector<SearchView> some;
-    for (const std::size_t v : some_of(all_views.size())) some.push_back(all_views[v]);
+    for (const std::size_t v : some_of(views.size())) some.push_back(views[v]);
     const Scene& scene = *some.front().scene.scene;
     SearchPlan plan = make_search_plan(some, unknowns, seed, effort);
     plan.others = &others;
-    const std::vector<SearchView> views = with_exposures(plan, some);
-    std::vector<SearchFrame> frames = make_search_frames(plan, views);
+    const std::vector<SearchView> exposed = with_exposures(plan, some);
+    std::vector<SearchFrame> frames = make_search_frames(plan, exposed);
     FoundStarts found{std::vector<Image>(unknowns.size()), {}, sum_views(plan, frames, progress)};
     for (std::size_t g = 0; g < plan.groups.size(); ++g) {
         const GroupSearch s{plan, plan.groups[g], found.sums[g]};
@@ -90,8 +93,7 @@ FoundStarts search_starts(std::span<const SearchView> all_views,
         found.groups.back().guides = names_of(scene, s.group.guides);
         if (!may_search_again(s.group)) found.sums[g] = {};
     }
-    if (has_bounces(scene) && std::ranges::any_of(plan.groups, &SearchGroup::has_color))
-        draw_back_colors(frames, found.textures);
+    if (has_bounces(scene) && has_color(plan)) draw_back_colors(frames, found.textures);
     return found;
 }
 
