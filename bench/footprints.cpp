@@ -23,8 +23,7 @@ struct Pass {
 Pass trace_pass(const TraceInput& input, const Bitmap& bitmap, const PassTaps& taps,
                 std::uint32_t pass) {
     const Film& film = input.scene->film;
-    const auto pixels =
-        static_cast<std::size_t>(film.crop_width) * static_cast<std::size_t>(film.crop_height);
+    const auto pixels = static_cast<std::size_t>(pixels_of(film));
     Pass p{taps[pass][0], taps[pass][1], std::vector<std::int64_t>(pixels, -1)};
     parallel_chunks(pixels, kBatchSamples, [&](std::size_t begin, std::size_t end) {
         std::vector<BatchSample> samples(end - begin);

@@ -32,10 +32,6 @@ double mean_radiance(const EnvironmentEmitter& environment) {
     return double{environment.scale} * sum / weights;
 }
 
-Rgbf mean_radiance(const Scene& scene, const AreaEmitter& area) {
-    return area.radiance * mean_texture(scene, area.texture);
-}
-
 /// Intensity over the beam, and half of it on average between beam and cutoff.
 double power(const Scene& scene, const SpotEmitter& spot) {
     const auto cap = [](float degrees) {
@@ -185,8 +181,6 @@ void add_shares(const Scene& scene, const Seen& seen, double weight, std::vector
                 shares[i] += weight * share_of(seen.materials[m]);
     }
 }
-
-double pixels_of(const Film& film) { return 1.0 * film.crop_width * film.crop_height; }
 
 /// views: empty where the scene's own camera is the only one.
 void add_what_is_seen(const TracedScene& traced, std::span<const TracedScene> views,

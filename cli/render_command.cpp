@@ -37,7 +37,7 @@ void require_image_name(const std::filesystem::path& file) {
 /// About three days on two cores; nobody means it.
 void check_samples(const Film& film, std::uint32_t samples) {
     constexpr double kMost = 1e12;
-    const double all = 1.0 * samples * film.crop_width * film.crop_height;
+    const double all = samples * pixels_of(film);
     if (all > kMost)
         throw InputError(
             fmt::format("{} x {} pixels of {} samples are {:.2g} samples: expected at most {:.0g}, "

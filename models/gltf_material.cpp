@@ -263,12 +263,6 @@ void set_bsdf(MaterialWriter& writer, const PrincipledThin& b) {
     set_transmission(writer, scalar(ThinScalar::kSpecTrans));
 }
 
-/// glTF knows textures of emission, but not in another place than the shape's own: the mean.
-Rgbf mean_emission(const Scene& scene, const Emitter& emitter) {
-    const auto& area = std::get<AreaEmitter>(emitter);
-    return area.radiance * mean_texture(scene, area.texture);
-}
-
 /// glTF's emission is a colour up to 1 times a strength.
 void set_emission(GltfJson& json, const Rgbf& radiance) {
     const float strength = std::max({radiance.x, radiance.y, radiance.z});
@@ -315,7 +309,9 @@ void add_textures(GltfModel& model, GltfSurface& surface) {
 int add_material(GltfModel& model, const Scene& scene, const GltfSurface& surface,
                  const Shape& shape) {
     GltfJson json = surface.json;
-    if (shape.emitter) set_emission(json, mean_emission(scene, scene[shape.emitter]));
+    // glTF knows textures of emission, but not in another place than the shape's own: the mean.
+    if (shape.emitter)
+        set_emission(json, mean_radiance(scene, std::get<AreaEmitter>(scene[shape.emitter])));
     if (json.contains("extensions"))
         for (const auto& [name, extension] : json["extensions"].items())
             use_extension(model, name.c_str());

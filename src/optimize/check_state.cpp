@@ -29,10 +29,6 @@ bool is_array_of(const std::vector<T>& array, std::size_t size) {
     return array.empty() || array.size() == size;
 }
 
-std::size_t pixels_of(const Film& film) {
-    return static_cast<std::size_t>(film.crop_width) * static_cast<std::size_t>(film.crop_height);
-}
-
 bool is_level(const LevelState& level, const Vec2<int>& size, int channels) {
     const AdamState& adam = level.adam;
     const std::size_t count = level.values.values.size();
@@ -87,7 +83,7 @@ bool is_background(const Background& background, const Film& film, const IndexRa
 }
 
 bool is_statistics(const PixelStatistics& pixels, const Film& film) {
-    return is_array_of(pixels.seen, pixels_of(film)) &&
+    return is_array_of(pixels.seen, static_cast<std::size_t>(pixels_of(film))) &&
            pixels.squares.size() == pixels.seen.size() &&
            pixels.counts.size() == pixels.seen.size();
 }

@@ -46,13 +46,7 @@ double texture_bytes(const Theta& theta, std::size_t batch) {
     return (kTextureArrays + sums) * floats * sizeof(float);
 }
 
-double pixels_of(const TracedScene& view) {
-    return double{static_cast<double>(view.film.crop_width)} * view.film.crop_height;
-}
-
-double pixels_of(const Image& image) {
-    return double{static_cast<double>(image.width)} * image.height;
-}
+double pixels_of(const Image& image) { return double{1} * image.width * image.height; }
 
 /// Of a pixel of an environment map, the tables by which it is sampled; and with it.
 constexpr double kBytesOfSkyTable =
@@ -90,7 +84,7 @@ double light_samples(const TracedScene& view, const std::vector<char>& reaching,
     const double share = has_bounces(*view.scene)
                              ? kTrialMargin * record_share(Binding(view, theta), reaching, 0)
                              : 1.0;
-    return share * kTechniques * pixels_of(view) * samples_per_pixel;
+    return share * kTechniques * pixels_of(view.film) * samples_per_pixel;
 }
 
 /// As traced, with a candidate at each of four texels, all of them twice while parts are joined.
@@ -280,7 +274,7 @@ MemoryEstimate estimate_memory(const Estimator& estimator, const RunViews& views
     estimate.textures = texture_bytes(theta, std::min(batch, views.fitted.size()));
     double visit_images = 0, visit_samples = 0;
     const auto add_view = [&](const TracedScene& view) {
-        const double film = pixels_of(view) * sizeof(Rgbf);
+        const double film = pixels_of(view.film) * sizeof(Rgbf);
         estimate.images += kFilmsOfView * film;
         visit_images = std::max(visit_images, kFilmsOfVisit * film);
     };

@@ -188,9 +188,8 @@ EmitterSummary summarize(const Lights& lights) {
         const Lights::Light& light = lights.lights[i];
         match((*lights.emitters)[i],
               [&](const AreaEmitter& e) {
-                  const Rgbf mean = e.radiance * mean_texture(scene, e.texture);
-                  add_bounded(area_light_bounds(scene[e.shape].geometry, light.triangles, mean,
-                                                light.area));
+                  add_bounded(area_light_bounds(scene[e.shape].geometry, light.triangles,
+                                                mean_radiance(scene, e), light.area));
               },
               [&](const EnvironmentEmitter& e) { add_infinite(sky_irradiance(e)); },
               [&](const ConstantEmitter& e) { add_infinite(sky_irradiance(e)); },

@@ -176,8 +176,7 @@ class Face {
 };
 
 std::vector<char> unmarked(const Film& film) {
-    return std::vector<char>(static_cast<std::size_t>(film.crop_width) *
-                             static_cast<std::size_t>(film.crop_height));
+    return std::vector<char>(static_cast<std::size_t>(pixels_of(film)));
 }
 
 /// Whether all corners are near to one another, as those of most pixels are: faces ask for it.

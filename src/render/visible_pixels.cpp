@@ -250,8 +250,7 @@ std::vector<char> projected(const TracedScene& view, std::span<const char> bsdfs
     const Scene& scene = *view.scene;
     const Film& film = view.film;
     Canvas canvas{film.crop_width, film.crop_height, {}};
-    canvas.pixels.assign(
-        static_cast<std::size_t>(film.crop_width) * static_cast<std::size_t>(film.crop_height), 0);
+    canvas.pixels.assign(static_cast<std::size_t>(pixels_of(film)), 0);
     const Projection project(view);
     const bool parallel = view.camera.kind == CameraKind::kOrthographic;
     const double least = parallel ? 0 : 0.5 * double{view.camera.near_clip};
@@ -273,8 +272,7 @@ std::vector<char> projected(const TracedScene& view, std::span<const char> bsdfs
 }
 
 std::vector<char> all_pixels(const Film& film) {
-    return std::vector<char>(
-        static_cast<std::size_t>(film.crop_width) * static_cast<std::size_t>(film.crop_height), 1);
+    return std::vector<char>(static_cast<std::size_t>(pixels_of(film)), 1);
 }
 
 }  // namespace

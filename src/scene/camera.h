@@ -28,6 +28,9 @@ struct Film {
     PixelFormat pixel_format = PixelFormat::kRgb;
 };
 
+/// How many its image has.
+inline double pixels_of(const Film& film) { return double{1} * film.crop_width * film.crop_height; }
+
 inline constexpr double kMaxCameraDistance = 1e12;  ///< from the origin: rays overflow far beyond
 /// Aside of a camera's axis, of what its rays begin at or pass: squares far beyond overflow.
 inline constexpr double kMaxRayReach = 1e17;

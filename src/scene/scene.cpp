@@ -149,6 +149,10 @@ Rgbf mean_texture(const Scene& scene, TextureId texture) {
     return texture ? mean_magnitude(scene[texture]) : Rgbf{1, 1, 1};
 }
 
+Rgbf mean_radiance(const Scene& scene, const AreaEmitter& area) {
+    return area.radiance * mean_texture(scene, area.texture);
+}
+
 bool draws_paths(const Scene& scene, TextureId texture) {
     const auto samples = [&](const Bsdf& bsdf) {
         const int scalars = static_cast<int>(first_scalar(bsdf)),

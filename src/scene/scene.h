@@ -129,6 +129,8 @@ bool is_of_emitter(const Scene& scene, TextureId texture);
 /// The mean_magnitude of a texture, or 1 without one: by it a textured emitter is as bright on
 /// average as one of a single colour.
 Rgbf mean_texture(const Scene& scene, TextureId texture);
+/// The radiance of an area light, on average over its texture.
+Rgbf mean_radiance(const Scene& scene, const AreaEmitter& area);
 
 /// Whether paths of direct light, or the light that they carry, depend on the values of a texture:
 /// by them directions are sampled, parts of blends are drawn, normals turn or emitters shine. Where

@@ -110,7 +110,9 @@ TEST(Kinds, TexturesOfLightsAreNoUnknownsAndMayBeBright) {
                                  named("irradiance") + "</emitter>")
             .scene;
     EXPECT_TRUE(scene.parameters.empty());
-    EXPECT_TRUE(bool(std::get<AreaEmitter>(scene.emitters[0]).texture));
+    const auto& area = std::get<AreaEmitter>(scene.emitters[0]);
+    EXPECT_TRUE(bool(area.texture));
+    EXPECT_NEAR(mean_radiance(scene, area).y, area.radiance.y * 7, 1e-5f);
     EXPECT_EQ(std::get<ProjectorEmitter>(scene.emitters[1]).aspect, 2);
     EXPECT_NEAR(mean_magnitude(scene.textures[0]).y, 7, 1e-5f);
 }

@@ -49,6 +49,8 @@ std::vector<char> shifted(const std::vector<char>& marks, int width) {
 TEST(VisiblePixels, NoRayMeetsTheBsdfElsewhere) {
     const Scene scene = framed_scene();
     const std::vector<char> bsdfs{1, 0}, marks = visible_pixels(prepare(scene), bsdfs);
+    EXPECT_EQ(pixels_of(scene.film), 61 * 52);
+    EXPECT_EQ(marks.size(), 61u * 52u);
     std::size_t seen = 0;
     EXPECT_EQ(missed(scene, bsdfs, marks, seen), 0u);
     EXPECT_GT(seen, 10000u);
