@@ -139,24 +139,17 @@ BowlTextures make_bowl_textures(int size, std::uint32_t seed) {
 }
 
 Image make_stone_texture(int size, std::uint32_t seed) {
-    Image stone = make_image(size, size, 3);
     const Rgbf dark{0.16f, 0.20f, 0.22f}, light{0.40f, 0.44f, 0.44f}, vein{0.72f, 0.68f, 0.60f};
-    parallel_for(static_cast<std::size_t>(size), [&](std::size_t row) {
-        const float v = (static_cast<float>(row) + 0.5f) / static_cast<float>(size);
-        for (int x = 0; x < size; ++x) {
-            const float u = (static_cast<float>(x) + 0.5f) / static_cast<float>(size);
-            const float warp = fractal_noise(u, v, 6, 930, seed);
-            const float cloud = fractal_noise(u + 0.1f * warp, v, 14, 934, seed);
-            const float ridge = std::fabs(fractal_noise(u, v + 0.15f * warp, 9, 938, seed) - 0.5f);
-            const float hair = std::fabs(fractal_noise(u + 0.1f * warp, v, 23, 942, seed) - 0.5f);
-            const float veins = std::fmax(1 - smooth_step(0.0f, 0.028f, ridge),
-                                          0.5f * (1 - smooth_step(0.0f, 0.03f, hair)));
-            const Rgbf color = mix(mix(dark, light, smooth_step(0.3f, 0.7f, cloud)), vein,
-                                   veins * smooth_step(0.3f, 0.6f, warp));
-            for (int c = 0; c < 3; ++c) stone.at(x, static_cast<int>(row), c) = color[c];
-        }
+    return painted(size, [&](float u, float v) {
+        const float warp = fractal_noise(u, v, 6, 930, seed);
+        const float cloud = fractal_noise(u + 0.1f * warp, v, 14, 934, seed);
+        const float ridge = std::fabs(fractal_noise(u, v + 0.15f * warp, 9, 938, seed) - 0.5f);
+        const float hair = std::fabs(fractal_noise(u + 0.1f * warp, v, 23, 942, seed) - 0.5f);
+        const float veins = std::fmax(1 - smooth_step(0.0f, 0.028f, ridge),
+                                      0.5f * (1 - smooth_step(0.0f, 0.03f, hair)));
+        return mix(mix(dark, light, smooth_step(0.3f, 0.7f, cloud)), vein,
+                   veins * smooth_step(0.3f, 0.6f, warp));
     });
-    return stone;
 }
 
 }  // namespace burnish::procedural

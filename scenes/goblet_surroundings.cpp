@@ -78,27 +78,21 @@ Image make_evening_sky(int height, std::uint32_t seed) {
 }
 
 Image make_table_texture(int size, std::uint32_t seed) {
-    Image table = make_image(size, size, 3);
     const Rgbf walnut{0.16f, 0.075f, 0.035f}, ebony{0.022f, 0.016f, 0.014f},
         maple{0.42f, 0.26f, 0.12f};
-    parallel_for(static_cast<std::size_t>(size), [&](std::size_t row) {
-        for (int x = 0; x < size; ++x) {
-            const float px = 2 * (static_cast<float>(x) + 0.5f) / static_cast<float>(size) - 1;
-            const float py = 2 * (static_cast<float>(row) + 0.5f) / static_cast<float>(size) - 1;
-            const float radius = std::hypot(px, py), turn = std::atan2(py, px) / (2 * kPi) + 0.5f;
-            const int sector = static_cast<int>(turn * 24);
-            const float grain = fractal_noise(0.02f * px + 0.37f * static_cast<float>(sector),
-                                              2.5f * py + 9 * px, 40, 600, seed);
-            Rgbf wood = mix(walnut * 0.55f, walnut * 1.25f, grain);
-            if (radius > 0.62f && radius < 0.80f)
-                wood = sector % 2 ? ebony : mix(maple * 0.7f, maple, grain);
-            const bool inlay =
-                std::fabs(radius - 0.61f) < 0.010f || std::fabs(radius - 0.81f) < 0.010f;
-            if (inlay) wood = maple;
-            for (int c = 0; c < 3; ++c) table.at(x, static_cast<int>(row), c) = wood[c];
-        }
+    return painted(size, [&](float u, float v) {
+        const float px = 2 * u - 1, py = 2 * v - 1;
+        const float radius = std::hypot(px, py), turn = std::atan2(py, px) / (2 * kPi) + 0.5f;
+        const int sector = static_cast<int>(turn * 24);
+        const float grain = fractal_noise(0.02f * px + 0.37f * static_cast<float>(sector),
+                                          2.5f * py + 9 * px, 40, 600, seed);
+        Rgbf wood = mix(walnut * 0.55f, walnut * 1.25f, grain);
+        if (radius > 0.62f && radius < 0.80f)
+            wood = sector % 2 ? ebony : mix(maple * 0.7f, maple, grain);
+        const bool inlay = std::fabs(radius - 0.61f) < 0.010f || std::fabs(radius - 0.81f) < 0.010f;
+        if (inlay) wood = maple;
+        return wood;
     });
-    return table;
 }
 
 }  // namespace burnish::procedural

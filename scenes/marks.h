@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "core/constants.h"
+#include "core/parallel.h"
 #include "image/image.h"
 #include "scenes/noise.h"
 
@@ -36,6 +37,21 @@ inline float cell_distance(float x, float y, int period, std::uint32_t layer, st
         }
     }
     return nearest;
+}
+
+/// A texture [size, size, 3] of the colours color(u, v) at the middles of its texels; v grows down.
+template <class Color>
+Image painted(int size, const Color& color) {
+    Image image = make_image(size, size, 3);
+    parallel_for(static_cast<std::size_t>(size), [&](std::size_t row) {
+        const float v = (static_cast<float>(row) + 0.5f) / static_cast<float>(size);
+        for (int x = 0; x < size; ++x) {
+            const float u = (static_cast<float>(x) + 0.5f) / static_cast<float>(size);
+            const Rgbf c = color(u, v);
+            for (int i = 0; i < 3; ++i) image.at(x, static_cast<int>(row), i) = c[i];
+        }
+    });
+    return image;
 }
 
 /// Raises the layer to inside(dx, dy) for offsets of up to `reach` around (x, y).

@@ -3,7 +3,6 @@
 #include <array>
 
 #include "core/constants.h"
-#include "core/parallel.h"
 #include "scenes/marks.h"
 #include "scenes/tree.h"
 
@@ -128,41 +127,28 @@ Rgbf atlas(float u, float v, std::uint32_t seed) {
 }  // namespace
 
 Image make_tree_texture(int size, std::uint32_t seed) {
-    Image image = make_image(size, size, 3);
-    parallel_for(static_cast<std::size_t>(size), [&](std::size_t row) {
-        const float v = (static_cast<float>(row) + 0.5f) / static_cast<float>(size);
-        for (int x = 0; x < size; ++x) {
-            const float u = (static_cast<float>(x) + 0.5f) / static_cast<float>(size);
-            const Rgbf color = atlas(u, v, seed);
-            for (int c = 0; c < 3; ++c)
-                image.at(x, static_cast<int>(row), c) = std::clamp(color[c], 0.05f, 0.95f);
-        }
+    return painted(size, [&](float u, float v) {
+        const Rgbf color = atlas(u, v, seed);
+        return Rgbf{std::clamp(color.x, 0.05f, 0.95f), std::clamp(color.y, 0.05f, 0.95f),
+                    std::clamp(color.z, 0.05f, 0.95f)};
     });
-    return image;
 }
 
 Image make_parlour_texture(int size, double floor_end, std::uint32_t seed) {
-    Image image = make_image(size, size, 3);
     const Rgbf oak{0.42f, 0.24f, 0.12f}, gap{0.06f, 0.035f, 0.02f};
     const Rgbf paper{0.42f, 0.12f, 0.12f}, figure{0.52f, 0.20f, 0.14f}, wood{0.50f, 0.42f, 0.32f};
     const auto end = static_cast<float>(floor_end);
-    parallel_for(static_cast<std::size_t>(size), [&](std::size_t row) {
-        const float v = (static_cast<float>(row) + 0.5f) / static_cast<float>(size);
-        for (int x = 0; x < size; ++x) {
-            const float u = (static_cast<float>(x) + 0.5f) / static_cast<float>(size);
-            const int board = static_cast<int>(u * 22);
-            const float grain =
-                fractal_noise(u * 3 + 0.37f * static_cast<float>(board), 0.25f * v, 64, 1400, seed);
-            Rgbf floor = oak * (0.6f + 0.5f * grain + 0.25f * lattice_value(board, 0, 1404, seed));
-            floor = mix(floor, gap, smooth_step(0.46f, 0.49f, std::fabs(fraction(u * 22) - 0.5f)));
-            const float leaf = std::sin(2 * kPi * 26 * u) * std::sin(2 * kPi * 26 * v);
-            Rgbf wall = mix(paper, figure, smooth_step(0.35f, 0.45f, std::fabs(leaf)));
-            wall = mix(wood, wall, smooth_step(0.0f, 0.002f, v - end - 0.11f));
-            const Rgbf color = v < end ? floor : wall;
-            for (int c = 0; c < 3; ++c) image.at(x, static_cast<int>(row), c) = color[c];
-        }
+    return painted(size, [&](float u, float v) {
+        const int board = static_cast<int>(u * 22);
+        const float grain =
+            fractal_noise(u * 3 + 0.37f * static_cast<float>(board), 0.25f * v, 64, 1400, seed);
+        Rgbf floor = oak * (0.6f + 0.5f * grain + 0.25f * lattice_value(board, 0, 1404, seed));
+        floor = mix(floor, gap, smooth_step(0.46f, 0.49f, std::fabs(fraction(u * 22) - 0.5f)));
+        const float leaf = std::sin(2 * kPi * 26 * u) * std::sin(2 * kPi * 26 * v);
+        Rgbf wall = mix(paper, figure, smooth_step(0.35f, 0.45f, std::fabs(leaf)));
+        wall = mix(wood, wall, smooth_step(0.0f, 0.002f, v - end - 0.11f));
+        return v < end ? floor : wall;
     });
-    return image;
 }
 
 }  // namespace burnish::procedural

@@ -124,30 +124,23 @@ TyreTextures make_tyre_textures(int size, std::uint32_t seed) {
 }
 
 Image make_workshop_texture(int size, double floor_end, std::uint32_t seed) {
-    Image image = make_image(size, size, 3);
     const Rgbf concrete{0.36f, 0.35f, 0.33f}, stain{0.12f, 0.11f, 0.10f},
         yellow{0.62f, 0.42f, 0.06f};
     const Rgbf wall{0.20f, 0.26f, 0.30f}, band{0.42f, 0.41f, 0.38f};
     const auto end = static_cast<float>(floor_end);
-    parallel_for(static_cast<std::size_t>(size), [&](std::size_t row) {
-        const float v = (static_cast<float>(row) + 0.5f) / static_cast<float>(size);
-        for (int x = 0; x < size; ++x) {
-            const float u = (static_cast<float>(x) + 0.5f) / static_cast<float>(size);
-            const float cloud = fractal_noise(u, v, 6, 840, seed);
-            const float grain = value_noise(u * 400, v * 400, 400, 844, seed);
-            Rgbf color = mix(concrete, stain, 0.7f * smooth_step(0.5f, 0.75f, cloud));
-            const float joint = std::fmax(line(fraction(5 * u + 0.2f) - 0.5f, 0.006f),
-                                          line(fraction(6 * v / end) - 0.5f, 0.006f));
-            color = mix(color, stain * 0.6f, joint);
-            const float stripe = line(u + 0.35f * v - 0.86f, 0.022f);
-            color = mix(color, yellow, stripe * smooth_step(0.3f, 0.45f, 1 - cloud));
-            const Rgbf plaster = mix(wall, band, smooth_step(0.0f, 0.002f, v - end - 0.20f));
-            color = mix(color, plaster * (0.8f + 0.4f * cloud), smooth_step(end, end + 0.01f, v));
-            for (int c = 0; c < 3; ++c)
-                image.at(x, static_cast<int>(row), c) = color[c] * (0.88f + 0.24f * grain);
-        }
+    return painted(size, [&](float u, float v) {
+        const float cloud = fractal_noise(u, v, 6, 840, seed);
+        const float grain = value_noise(u * 400, v * 400, 400, 844, seed);
+        Rgbf color = mix(concrete, stain, 0.7f * smooth_step(0.5f, 0.75f, cloud));
+        const float joint = std::fmax(line(fraction(5 * u + 0.2f) - 0.5f, 0.006f),
+                                      line(fraction(6 * v / end) - 0.5f, 0.006f));
+        color = mix(color, stain * 0.6f, joint);
+        const float stripe = line(u + 0.35f * v - 0.86f, 0.022f);
+        color = mix(color, yellow, stripe * smooth_step(0.3f, 0.45f, 1 - cloud));
+        const Rgbf plaster = mix(wall, band, smooth_step(0.0f, 0.002f, v - end - 0.20f));
+        color = mix(color, plaster * (0.8f + 0.4f * cloud), smooth_step(end, end + 0.01f, v));
+        return color * (0.88f + 0.24f * grain);
     });
-    return image;
 }
 
 Image make_dim_sky(int height, std::uint32_t seed) {

@@ -9,6 +9,7 @@
 #include "mitsuba/temporary_scene.h"
 #include "scenes/bowl.h"
 #include "scenes/goblet.h"
+#include "scenes/marks.h"
 #include "scenes/procedural.h"
 #include "scenes/scene_folder.h"
 #include "scenes/tree.h"
@@ -130,6 +131,13 @@ TEST(OwnScenes, TexturesHaveContentAtEveryScale) {
 
 TEST(OwnScenes, AFlatTextureHasNoContent) {
     EXPECT_LT(test::contrast_at(make_image(64, 64, 1, 0.5f), 4), 1e-12);
+}
+
+TEST(OwnScenes, TexturesArePaintedAtTheMiddlesOfTexels) {
+    const Image painted = procedural::painted(2, [](float u, float v) { return Rgbf{u, v, 1}; });
+    const std::vector<float> expected{0.25f, 0.25f, 1, 0.75f, 0.25f, 1,
+                                      0.25f, 0.75f, 1, 0.75f, 0.75f, 1};
+    EXPECT_EQ(painted.values, expected);
 }
 
 TEST(OwnScenes, SurfacesAreSmoothlyShaded) {
