@@ -12,6 +12,7 @@
 #include "burnish/error.h"
 #include "cli/console.h"
 #include "cli/folder_content.h"
+#include "core/hash.h"
 #include "image/files.h"
 
 namespace burnish {
@@ -51,14 +52,12 @@ KeptResults keep_results(std::filesystem::path folder) {
     make_folder(folder);
     require_writable(folder / "trial");
     if (!is_there) std::filesystem::remove(folder, ignored);
-    return {std::move(folder),
-            fmt::format("{:016x}", std::hash<std::string>{}(read_bytes(code_file())))};
+    return {std::move(folder), fmt::format("{:016x}", hash_of(read_bytes(code_file())))};
 }
 
 std::filesystem::path kept_path(const KeptResults& kept, const std::string& name,
                                 const nlohmann::json& made_of) {
-    const std::size_t hash = std::hash<std::string>{}(made_of.dump() + kept.program);
-    return kept.folder / fmt::format("{}-{:016x}", name, hash);
+    return kept.folder / fmt::format("{}-{:016x}", name, hash_of(made_of.dump() + kept.program));
 }
 
 std::optional<nlohmann::json> find_kept(const KeptResults& kept, const std::string& name,

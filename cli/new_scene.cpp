@@ -248,8 +248,7 @@ void check_environment(const fs::path& file) {
 }
 
 std::size_t count_charts(const Scene& scene) {
-    const ChartMap charts = texture_charts(scene, scene.parameters.front().texture);
-    return charts.empty() ? 0 : *std::max_element(charts.begin(), charts.end());
+    return std::ranges::max(texture_charts(scene, scene.parameters.front().texture));
 }
 
 }  // namespace

@@ -265,15 +265,14 @@ void add_optimize_options(CLI::App& command, OptimizeArguments& arguments) {
 }
 
 Settings make_settings(const OptimizeArguments& arguments) {
-    std::vector<Given> from_file, from_line = arguments.flags, given;
-    from_file = arguments.options;
+    std::vector<Given> from_file = arguments.options, from_line = arguments.flags;
     if (!arguments.options_file.empty())
         for (Given& g : read_options_file(arguments.options_file))
             from_file.push_back(std::move(g));
     if (!arguments.scene.empty())
         from_line.push_back({"the scene", {"scene.file"}, {arguments.scene}});
     add_sets(arguments.sets, from_line);
-    given = from_file;
+    std::vector<Given> given = from_file;
     given.insert(given.end(), from_line.begin(), from_line.end());
     if (assemble(given).run.scene.empty()) {
         if (std::none_of(given.begin(), given.end(), names_stop_rule))

@@ -13,6 +13,7 @@
 #include "cli/settings.h"
 #include "cli/traffic.h"
 #include "cli/view_pictures.h"
+#include "core/parsed.h"
 #include "optimize/memory.h"
 #include "optimize/setup.h"
 #include "scene/scene.h"
@@ -56,7 +57,7 @@ std::string error_text(double error, int decimals);
 inline bool is_one_value(const Image& texels) { return texels.width == 1 && texels.height == 1; }
 
 /// The double whose decimal digits are the few of a float, for JSON.
-inline double few_digits(float x) { return std::stod(fmt::format("{}", x)); }
+inline double few_digits(float x) { return *parsed<double>(fmt::format("{}", x)); }
 
 /// "0.9", or "0.7, 0.4, 0.2".
 std::string values_text(const Image& texels);

@@ -133,7 +133,7 @@ constexpr RunRow kTable[] = {
               .sentence =
                   "Step of the optimiser, once or per parameter [0.003 to 0.01, by the start; "
                   "shared by material]",
-              .range = kPositive},
+              .range = {0, kMaxLearningRate, false, true}},
      .field = &RunSettings::learning_rates,
      .needs = "a parameter without a learning rate of its own",
      .holds = has_unrated},

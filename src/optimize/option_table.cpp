@@ -175,7 +175,7 @@ constexpr OptionRow kTable[] = {
       .sentence = "Learning rate of the first ten steps, at most four times that of the others, to "
                   "which it falls; auto: 0.02 where estimator and parameterisation have a gate "
                   "and the start is not searched, else 0",
-      .range = {0, 1e6},
+      .range = {0, kMaxLearningRate},
       .unset = "auto"},
      of_part<&Options::adam, &Adam::initial_rate>()},
     {{.name = "parameterization",

@@ -44,23 +44,25 @@ StartKind kind_of_start(const Problem& problem, const Unknown& unknown) {
 
 /// The texels that an unknown starts from, or 0.5 where they are searched; an image is taken out of
 /// it.
-Image take_start(Unknown& unknown, const std::string& name, const Bitmap& bitmap) {
+Image take_start(Unknown& unknown, const Bitmap& bitmap) {
     if (std::holds_alternative<SearchStart>(unknown.start))
         return make_image(bitmap.width, bitmap.height, bitmap.channels, 0.5f);
     const auto in_range = [](float v) { return v >= 0 && v <= 1; };
     if (const float* value = std::get_if<float>(&unknown.start)) {
         require(in_range(*value),
-                fmt::format("the start of {} is {:f}, expected a value from 0 to 1", name, *value));
+                fmt::format("the start of {} is {:f}, expected a value from 0 to 1", unknown.name,
+                            *value));
         return make_image(bitmap.width, bitmap.height, bitmap.channels, *value);
     }
     Image image = std::move(std::get<Image>(unknown.start));
+    const std::string what = "the start of " + unknown.name;
     require(image.width == bitmap.width && image.height == bitmap.height &&
                 (image.channels == 1 || image.channels == 3),
-            "the start of " + name + " has " + size_text(image.width, image.height) +
+            what + " has " + size_text(image.width, image.height) +
                 " texels: expected the texture's " + size_text(bitmap.width, bitmap.height));
-    require_whole(image, "the start of " + name);
+    require_whole(image, what);
     require(std::all_of(image.values.begin(), image.values.end(), in_range),
-            "the start of " + name + " holds values outside of [0, 1]");
+            what + " holds values outside of [0, 1]");
     return with_channels(std::move(image), bitmap.channels);
 }
 
@@ -159,8 +161,8 @@ Setup make_setup(Problem problem, Options options) {
             learning_rate_of(scene, ids, ids[i], start, setup.options, u.learning_rate);
         ChartMap charts = texture_charts(scene, ids[i]);
         PyramidMaps maps = maps_of(scene, setup.options, ids[i], charts);
-        setup.unknowns.push_back({ids[i], start, guided, take_start(u, u.name, bitmap),
-                                  std::move(charts), adam, std::move(maps)});
+        setup.unknowns.push_back({ids[i], start, guided, take_start(u, bitmap), std::move(charts),
+                                  adam, std::move(maps)});
     }
     return setup;
 }

@@ -7,7 +7,6 @@
 #include <cstdint>
 #include <vector>
 
-#include "burnish/options.h"
 #include "image/image.h"
 #include "texture/adam.h"
 #include "texture/prolongation.h"
