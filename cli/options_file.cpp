@@ -105,14 +105,14 @@ std::vector<Given> read_options_file(const std::string& file) {
     return read_options_text(text.str(), file);
 }
 
-std::vector<Given> read_options_text(const std::string& text, const std::string& file) {
-    Json options(parse_json(text, file, 0, "names of options"));
+std::vector<Given> read_options_text(const std::string& text, const std::string& name) {
+    Json options(parse_json(text, name, 0, "names of options"));
     if (options.is_object() && options.contains("burnish") && options.contains("settings"))
         options = Json(options["settings"]);
     if (!options.is_object())
-        throw InputError(file + ": expected a JSON object with names of options");
+        throw InputError(name + ": expected a JSON object with names of options");
     std::vector<Given> given;
-    read_object(options, "", file, given);
+    read_object(options, "", name, given);
     return given;
 }
 

@@ -31,8 +31,8 @@ bool all_have_ended(MPI_Comm leaving, double seconds) {
 /// Ends the job where this process has failed and others have not: they would wait for it. leaving:
 /// a communicator on which nothing else is said, since others may be in the middle of an exchange.
 int leave(MPI_Comm leaving, int status, const std::string& error) {
-    constexpr double kPatience =
-        2;  // seconds: what all fail of, they fail of at about the same time
+    // Seconds: what all fail of, they fail of at about the same time.
+    constexpr double kPatience = 2;
     if (!all_have_ended(leaving, status == 0 ? 0 : kPatience)) {
         int rank = 0, count = 0, length = 0;
         char host[MPI_MAX_PROCESSOR_NAME] = {};

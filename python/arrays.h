@@ -34,7 +34,7 @@ inline nb::builtin_exception type_error(const std::string& text) {
 /// An image from anything that numpy makes an array of, or that speaks DLPack: [height, width],
 /// [height, width, 1] or [height, width, 3]. Throws TypeError and InputError; what: whose array it
 /// is.
-Image to_image(nb::handle array, const std::string& what, Meaning meaning = Meaning::kLinear);
+Image to_image(nb::handle given, const std::string& what, Meaning meaning = Meaning::kLinear);
 
 /// A numpy array that owns the image's values; None of an empty image.
 nb::object to_array(Image image);

@@ -20,8 +20,8 @@ struct LoadOptions {
 struct LoadedScene {
     Scene scene;
     std::vector<std::string> warnings;  ///< one sentence each, with file:line:column
-    std::vector<std::string>
-        notes;                ///< defaults that were chosen (integrator, camera), said to the user
+    /// Defaults that were chosen (integrator, camera), said to the user.
+    std::vector<std::string> notes;
     SceneSource source = {};  ///< empty for a scene that no file held
 };
 

@@ -233,11 +233,11 @@ MaterialId read_material(Loader& loader, const Node& node, const std::string& id
 
 }  // namespace
 
-MaterialId load_material(Loader& loader, const Node& node, const std::string& fallback_id) {
+MaterialId load_material(Loader& loader, const Node& node, const std::string& id) {
     if (const auto known = loader.materials.find(&node); known != loader.materials.end())
         return known->second;
     loader.bsdfs_inside = 0;
-    const MaterialId material = read_material(loader, node, id_or(node, fallback_id));
+    const MaterialId material = read_material(loader, node, id_or(node, id));
     loader.materials.emplace(&node, material);
     return material;
 }

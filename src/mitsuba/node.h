@@ -32,8 +32,8 @@ struct Unsupported : InputError {
 
 struct Node {
     std::string tag;
-    std::vector<std::pair<std::string, std::string>>
-        attributes;              ///< $parameters already substituted
+    /// $parameters already substituted.
+    std::vector<std::pair<std::string, std::string>> attributes;
     std::vector<Node> children;  ///< without default, include, path and alias
     Place place;
     int order = 0;  ///< position in document order, over all files

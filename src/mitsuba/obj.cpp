@@ -24,8 +24,8 @@ namespace burnish::mitsuba {
 
 namespace {
 
-using Corner =
-    std::array<std::int32_t, 3>;  ///< indices of position, texture coordinate and normal; -1: none
+/// Indices of position, texture coordinate and normal; -1: none.
+using Corner = std::array<std::int32_t, 3>;
 
 struct CornerHash {
     std::size_t operator()(const Corner& c) const {

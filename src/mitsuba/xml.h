@@ -14,8 +14,8 @@ namespace burnish::mitsuba {
 
 struct Document {
     Node root;  ///< the <scene>
-    std::map<std::string, const Node*>
-        ids;  ///< ids and aliases -> nodes below root; the tree must not change any more
+    /// Ids and aliases -> nodes below root; the tree must not change any more.
+    std::map<std::string, const Node*> ids;
     std::filesystem::path top_folder;  ///< of the top-level scene: nothing outside is read
     std::vector<std::filesystem::path> search_folders;  ///< <path>, in order
     std::vector<std::string> notes;

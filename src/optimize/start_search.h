@@ -13,8 +13,8 @@ namespace burnish {
 
 struct FoundStarts {
     std::vector<Image> textures;  ///< parallel to the unknowns, [height, width, channels]
-    std::vector<SearchedGroup>
-        groups;  ///< which of them were searched together, and what was tried
+    /// Which of them were searched together, and what was tried.
+    std::vector<SearchedGroup> groups;
     /// Parallel to groups; empty of those that a run may not search again.
     std::vector<GroupSums> sums;
 };

@@ -50,8 +50,8 @@ struct LightTree {
 
     std::uint32_t root = 0;     ///< as Node::next
     std::vector<Split> splits;  ///< the root's first; of a lone emitter: it, and nothing
-    std::vector<std::uint64_t>
-        path;  ///< of each emitter: its sides from the root, lowest bit first
+    /// Of each emitter: its sides from the root, lowest bit first.
+    std::vector<std::uint64_t> path;
 };
 static_assert(sizeof(LightTree::Split) == 64);
 

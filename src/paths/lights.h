@@ -51,8 +51,8 @@ Lights build_lights(const Scene& scene, const TriangleTable& triangles,
 struct LightChoice {
     std::uint32_t emitter = 0, triangle = 0;
     float inverse_probability = 1;  ///< 1 / probability of the emitter
-    std::array<float, 4>
-        u{};  ///< for the emitter: what its choice left, and the others; uniform again
+    /// For the emitter: what its choice left, and the others; uniform again.
+    std::array<float, 4> u{};
 };
 
 /// Asks for the memory that choose_light reads: where many choose, each before the first of them.

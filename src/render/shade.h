@@ -29,8 +29,8 @@ struct RecordShader {
     std::array<float, kBsdfInputs> constants{};
     std::vector<UnknownInput> unknowns;
     std::vector<int> unknown_inputs;  ///< places that read optimised textures; a colour has three
-    std::vector<int>
-        constant_inputs;  ///< places that read other textures: looked up once, kept with records
+    /// Places that read other textures: looked up once, kept with records.
+    std::vector<int> constant_inputs;
     /// Shares whose weights are optimised textures: the value is multiplied with each.
     std::vector<BlendShare> shares;
     /// No other input is optimised, but shares are: the BSDF's value is within the records' light.

@@ -56,8 +56,8 @@ struct Scene {
     std::vector<std::string> emitter_ids;  ///< parallel to emitters, or empty without a scene file
     std::vector<Shape> shapes;
     std::vector<Shape> prototypes;  ///< what instances show: by themselves in no place
-    std::vector<Parameter>
-        parameters;  ///< every bitmap that a BSDF parameter reads, in order of the file
+    /// Every bitmap that a BSDF parameter reads, in order of the file.
+    std::vector<Parameter> parameters;
     /// What could be a texture in the place of a constant. Empty without a scene file.
     std::vector<ConstantParameter> constants;
     /// Names of inputs that read a mesh attribute, which cannot be recovered.
