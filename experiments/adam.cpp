@@ -232,8 +232,8 @@ Figure correlation_figure(const TargetScene& scene, const Study& study,
         "by {} and that of pgris by {}: the errors of pgris are correlated ({} from one iteration "
         "to the next), so that much of what reuse wins is what the average would have won. What is "
         "left in Adam's mean is {} times the error with mc.",
-        text_of({.ratio = single}), averaged(all[0]), averaged(all[1]),
-        decimals_text(all[1].lag[1], 2), text_of({.ratio = left}));
+        text_of(RatioInterval{single}), averaged(all[0]), averaged(all[1]),
+        decimals_text(all[1].lag[1], 2), text_of(RatioInterval{left}));
     return f;
 }
 
