@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "scene/parameter_names.h"
-#include "texture/coverage.h"
+#include "texture/unvisited.h"
 
 namespace burnish {
 

@@ -7,7 +7,6 @@
 #include "gradient/theta.h"
 #include "paths/trace.h"
 #include "render/render.h"
-#include "texture/charts.h"
 
 namespace burnish {
 
@@ -39,20 +38,5 @@ double texture_error(const Image& texels, const Image& truth, const std::vector<
 /// not count. NaN where they do not tell anything, or the noise of the sensitivities hides it.
 double weighted_texture_error(const Image& texels, const Image& truth,
                               const std::vector<float>& sensitivity);
-
-/// Gives texels that no sample visited the mean of those around them that samples did visit, from
-/// as near as there are any (push and pull over halved resolutions): of their own chart, as long as
-/// it has any. Those of no chart take the values at the border of the nearest one, which filters
-/// and smaller copies of the texture read. visits: [height, width], non-zero where samples came.
-/// charts: [height, width]; empty: one. repeats: texels at opposite borders of the texture are
-/// neighbours. Nothing changes where no texel or every texel was visited.
-void fill_unvisited(const std::vector<std::uint32_t>& visits, const ChartMap& charts, bool repeats,
-                    Image& texels);
-
-/// How many texels a surface reads that no sample visited. charts: [height, width].
-std::size_t count_unvisited(const std::vector<std::uint32_t>& visits, const ChartMap& charts);
-
-/// Gives texels that no sample visited the value that they have in `initial`.
-void keep_unvisited(const std::vector<std::uint32_t>& visits, const Image& initial, Image& texels);
 
 }  // namespace burnish

@@ -12,7 +12,7 @@
 #include "optimize/floor_scene.h"
 #include "optimize/setup.h"
 #include "optimize/state.h"
-#include "texture/coverage.h"
+#include "texture/unvisited.h"
 
 namespace burnish {
 namespace {
