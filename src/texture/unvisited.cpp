@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "core/parallel.h"
+#include "texture/level_taps.h"
 #include "texture/prolongation.h"
 
 namespace burnish {
@@ -43,24 +44,23 @@ KnownTexels push(const KnownTexels& fine) {
 }
 
 /// Fills in what is not known, bilinearly from what is known of the same chart in a coarser level.
-void pull(const KnownTexels& coarse, KnownTexels& fine) {
+void pull(const KnownTexels& coarse, bool repeats, KnownTexels& fine) {
     Image& values = fine.values;
     const Image& from = coarse.values;
     parallel_for(static_cast<std::size_t>(values.height), [&](std::size_t row) {
         const int y = static_cast<int>(row);
+        const Taps ty = taps_of(y, from.height, repeats);
         for (int x = 0; x < values.width; ++x) {
             const std::size_t at = fine.texel(x, y);
             if (fine.known[at]) continue;
+            const Taps tx = taps_of(x, from.width, repeats);
             Rgbf sum;
             float weights = 0;
             for (int k = 0; k < 4; ++k) {
-                const int cx =
-                    k % 2 == 0 ? x / 2 : std::clamp(x / 2 + (x % 2 ? 1 : -1), 0, from.width - 1);
-                const int cy =
-                    k / 2 == 0 ? y / 2 : std::clamp(y / 2 + (y % 2 ? 1 : -1), 0, from.height - 1);
+                const int cx = k % 2 == 0 ? tx.near : tx.far, cy = k / 2 == 0 ? ty.near : ty.far;
                 const std::size_t texel = coarse.texel(cx, cy);
                 if (!coarse.known[texel] || coarse.charts[texel] != fine.charts[at]) continue;
-                const float weight = (k % 2 == 0 ? 0.75f : 0.25f) * (k / 2 == 0 ? 0.75f : 0.25f);
+                const float weight = (k % 2 == 0 ? kNear : kFar) * (k / 2 == 0 ? kNear : kFar);
                 for (int c = 0; c < from.channels; ++c) sum[c] += weight * from.at(cx, cy, c);
                 weights += weight;
             }
@@ -72,11 +72,11 @@ void pull(const KnownTexels& coarse, KnownTexels& fine) {
 }
 
 /// Fills what is in reach of something known of its chart.
-void fill(KnownTexels& finest) {
+void fill(KnownTexels& finest, bool repeats) {
     if (std::find(finest.known.begin(), finest.known.end(), 0) == finest.known.end()) return;
     std::vector<KnownTexels> levels{std::move(finest)};
     while (levels.back().known.size() > 1) levels.push_back(push(levels.back()));
-    for (std::size_t i = levels.size() - 1; i-- > 0;) pull(levels[i + 1], levels[i]);
+    for (std::size_t i = levels.size() - 1; i-- > 0;) pull(levels[i + 1], repeats, levels[i]);
     finest = std::move(levels[0]);
 }
 
@@ -143,10 +143,10 @@ void fill_unvisited(const std::vector<std::uint32_t>& visits, const ChartMap& ch
                     Image& texels) {
     KnownTexels finest{std::move(texels), {}, charts};
     for (const std::uint32_t count : visits) finest.known.push_back(count > 0);
-    if (!charts.empty()) fill(finest), pad_charts(finest, repeats);
+    if (!charts.empty()) fill(finest, repeats), pad_charts(finest, repeats);
     // Charts of which nothing is known, and those that the coarse levels lost sight of.
     finest.charts.assign(visits.size(), 1);
-    fill(finest);
+    fill(finest, repeats);
     texels = std::move(finest.values);
 }
 

@@ -171,6 +171,20 @@ TEST(Unvisited, OfNoChartLookOverTheBordersOfWhatRepeats) {
     }
 }
 
+/// A row, or column, whose first texel is unknown: those beside it are 0, those at the other end 1.
+TEST(Unvisited, AreFilledFromBothSidesOfTheBorderOfWhatRepeats) {
+    for (const bool has_charts : {false, true})
+        for (const bool down : {false, true})
+            for (const bool repeats : {false, true}) {
+                Image texels = make_image(down ? 1 : 16, down ? 16 : 1, 1, 0.5f);
+                std::vector<std::uint32_t> visits(16, 1);
+                visits[0] = 0;
+                for (std::size_t i = 1; i < 16; ++i) texels.values[i] = i < 8 ? 0.0f : 1.0f;
+                fill_unvisited(visits, ChartMap(has_charts ? 16 : 0, 1), repeats, texels);
+                EXPECT_EQ(texels.values[0] > 0, repeats) << has_charts << " " << down;
+            }
+}
+
 TEST(Unvisited, StayWhereNothingOrEverythingIsKnown) {
     for (const std::uint32_t count : {0u, 3u}) {
         Image texels = make_image(6, 4, 1, 0.5f);
