@@ -1,12 +1,14 @@
 // Messages of numbers and of the dirty blocks of arrays.
 #pragma once
 
+#include <fmt/format.h>
+
 #include <cstdint>
 #include <cstring>
 #include <string>
 #include <vector>
 
-#include "core/contract.h"
+#include "burnish/error.h"
 #include "core/kept_blocks.h"
 
 namespace burnish {
@@ -30,7 +32,7 @@ inline void put_blocks(const std::vector<const float*>& arrays, const DirtyBlock
     put(message, ~std::uint64_t{0});
 }
 
-/// Reads what put and put_blocks wrote.
+/// Reads what put and put_blocks wrote. Throws Error where a message is another one.
 class MessageReader {
   public:
     explicit MessageReader(const std::string& bytes) : bytes_(bytes) {}
@@ -46,16 +48,27 @@ class MessageReader {
                     DirtyBlocks& dirty) {
         for (auto from = get<std::uint64_t>(); from != ~std::uint64_t{0};
              from = get<std::uint64_t>()) {
-            const std::size_t begin = range.begin + from, end = range.begin + get<std::uint64_t>();
-            BURNISH_REQUIRE(end, <=, range.end);
+            const auto to = get<std::uint64_t>();
+            if (from >= to || to > range.size())
+                throw Error(fmt::format("an exchange gave values {} to {}, expected some of {}",
+                                        from, to, range.size()));
+            const std::size_t begin = range.begin + from, end = range.begin + to;
             for (float* array : arrays) copy(array + begin, (end - begin) * sizeof(float));
             mark_dirty(dirty, begin, end);
         }
     }
+    void require_end() const {
+        if (!at_end())
+            throw Error(fmt::format("an exchange gave a message of {} bytes, expected {}",
+                                    bytes_.size(), at_));
+    }
 
   private:
     void copy(void* to, std::size_t size) {
-        BURNISH_REQUIRE(at_ + size, <=, bytes_.size());
+        const std::size_t left = bytes_.size() - at_;
+        if (size > left)
+            throw Error(fmt::format("an exchange gave a message of {} bytes, expected {} more",
+                                    bytes_.size(), size - left));
         std::memcpy(to, bytes_.data() + at_, size);
         at_ += size;
     }

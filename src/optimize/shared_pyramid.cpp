@@ -1,5 +1,6 @@
 #include "optimize/shared_pyramid.h"
 
+#include <algorithm>
 #include <cstring>
 
 #include "gradient/estimator.h"
@@ -15,6 +16,7 @@ void add_up(const Ranks& ranks, std::span<double> values) {
     std::vector<double> theirs(values.size());
     std::fill(values.begin(), values.end(), 0.0);
     for (const std::string& message : came) {
+        require_bytes(message, values.size_bytes());
         std::memcpy(theirs.data(), message.data(), values.size_bytes());
         for (std::size_t i = 0; i < values.size(); ++i) values[i] += theirs[i];
     }
@@ -32,22 +34,32 @@ void share_moved(const Ranks& ranks, const std::vector<MovedFloats>& arrays) {
         for (const MovedFloats& a : arrays)
             message.get_blocks({a.values.data()}, own_range(a.values.size(), r, ranks.count),
                                a.dirty);
+        message.require_end();
     }
+}
+
+/// What the first process, which sends `first`, may have of an array that lies in no parts: none,
+/// AdamState::initial as a block that repeats, or all.
+std::size_t whole_entries(std::size_t first, std::size_t all) {
+    return first == 0 || first == kDirtyBlock ? first : all;
 }
 
 template <class T>
 void gather(const Ranks& ranks, std::size_t floats, std::size_t per, std::vector<T>& array) {
-    const auto came = all_gather(ranks, message_of(array.data(), array.size()));
-    const bool parts = is_part(came.front().size() / sizeof(T), floats, per, ranks);
-    std::size_t size = 0, at = 0;
-    const std::size_t count = parts ? came.size() : 1;  // what is no part is the first one's
-    for (std::size_t r = 0; r < count; ++r) size += came[r].size();
-    array.resize(size / sizeof(T));
-    for (std::size_t r = 0; r < count; ++r) {
-        if (!came[r].empty())
-            std::memcpy(reinterpret_cast<char*>(array.data()) + at, came[r].data(), came[r].size());
-        at += came[r].size();
+    auto came = all_gather(ranks, message_of(array.data(), array.size()));
+    const std::size_t first = came.front().size() / sizeof(T);
+    const bool parts = is_part(first, floats, per, ranks);
+    if (!parts) came.resize(1);  // what is no part is the first one's
+    std::size_t entries = 0;
+    for (int r = 0; r < (parts ? ranks.count : 1); ++r) {
+        const std::size_t own = parts ? entries_of(own_range(floats, r, ranks.count), per).size()
+                                      : whole_entries(first, entries_of({0, floats}, per).size());
+        require_bytes(came[static_cast<std::size_t>(r)], own * sizeof(T));
+        entries += own;
     }
+    array.resize(entries);
+    char* to = reinterpret_cast<char*>(array.data());
+    for (const std::string& message : came) to = std::copy(message.begin(), message.end(), to);
 }
 
 }  // namespace

@@ -295,8 +295,8 @@ Summary solve(Problem problem, const Options& options, const State& state, const
 
 Summary solve(Problem problem, const Options& options, const Checkpoints& checkpoints,
               const Callback& callback, const StageProgress& progress) {
-    const Ranks ranks = problem.ranks;
     Setup setup = make_setup(std::move(problem), options);
+    const Ranks ranks = setup.problem.ranks;
     CheckpointWriter writer(checkpoints, inputs_of(setup), ranks, 0);
     Solver solver(new_run(std::move(setup), progress));
     Summary summary = summary_of(solver.impl().search);
@@ -306,8 +306,8 @@ Summary solve(Problem problem, const Options& options, const Checkpoints& checkp
 Summary solve(Problem problem, const Options& options, Checkpoint from,
               const Checkpoints& checkpoints, const Callback& callback,
               const StageProgress& progress) {
-    const Ranks ranks = problem.ranks;
     Setup setup = make_setup(std::move(problem), options);
+    const Ranks ranks = setup.problem.ranks;
     std::vector<Input> inputs = inputs_of(setup);
     require_same_inputs(from.problem, inputs);
     State::Values& state = from.run.state.values();

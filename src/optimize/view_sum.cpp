@@ -1,9 +1,12 @@
 #include "optimize/view_sum.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <bit>
 #include <utility>
 
+#include "burnish/error.h"
 #include "core/contract.h"
 #include "optimize/block_message.h"
 #include "optimize/ranks.h"
@@ -90,6 +93,21 @@ void get_node(const Ranks& ranks, const GradientShapes& shapes, MessageReader& m
     }
 }
 
+/// Throws Error where they are not nodes of one tree, in order, or none.
+void require_nodes(const std::vector<ViewSumNode>& nodes) {
+    constexpr std::size_t kMost = std::size_t{1} << 48;  // more leaves than any batch has
+    std::size_t end = 0;
+    for (const ViewSumNode& n : nodes) {
+        if (n.begin < end || n.begin > kMost || n.size > kMost || !std::has_single_bit(n.size) ||
+            n.begin % n.size != 0)
+            throw Error(fmt::format(
+                "an exchange gave a sum over {} bands from {} on, expected each band once", n.size,
+                n.begin));
+        end = n.begin + n.size;
+    }
+    if (end == 0) throw Error("an exchange gave no sums over bands, expected those of all views");
+}
+
 /// All nodes on this process's part, in order.
 void take_nodes(const Ranks& ranks, const GradientShapes& shapes,
                 const std::vector<std::string>& messages, ViewSum& views) {
@@ -102,6 +120,7 @@ void take_nodes(const Ranks& ranks, const GradientShapes& shapes,
     views.parts.resize(count);
     std::sort(views.parts.begin(), views.parts.end(),
               [](const ViewSumNode& a, const ViewSumNode& b) { return a.begin < b.begin; });
+    require_nodes(views.parts);
 }
 
 void release_nodes(ViewSum& views) {

@@ -5,6 +5,8 @@
 
 #include <functional>
 
+#include "burnish/error.h"
+#include "optimize/block_message.h"
 #include "optimize/iterate.h"
 #include "optimize/thread_ranks.h"
 #include "optimize/view_problem.h"
@@ -105,6 +107,65 @@ TEST(SharedPyramid, AnyNumberOfPartsMakesTheBytesOfTheWhole) {
             test::on_ranks(count,
                            [&](const Ranks& ranks) { expect_same_steps(kPyramidCases[i], ranks); });
     }
+}
+
+/// The first of two processes, to which a message comes without its last byte.
+Ranks with_a_byte_less(std::size_t message) {
+    return {0, 2, [message](std::vector<std::string> messages) {
+                messages[message].pop_back();
+                return messages;
+            }};
+}
+
+/// Of arrays in parts, and of one that is the first process's alone.
+TEST(SharedPyramid, MessagesThatWereNotSentAreRefused) {
+    const auto gather = [](const PyramidCase& c, std::size_t message) {
+        std::vector<PyramidState> pyramids{pyramid_run_of(c).state};
+        keep_part(pyramids.front(), 0, 2);
+        gather_parts(with_a_byte_less(message), pyramids);
+    };
+    for (const std::size_t message : {0u, 1u}) {
+        const Ranks ranks = with_a_byte_less(message);
+        std::vector<double> sums(3);
+        EXPECT_THROW(exchange_of(ranks).add_up(sums), Error) << message;
+        EXPECT_THROW(gather(kPyramidCases.front(), message), Error) << message;
+    }
+    EXPECT_THROW(gather(kPyramidCases.back(), 0), Error);
+}
+
+/// Blocks that are cut off, and those that lie outside of the range of who sends them.
+TEST(SharedPyramid, BlocksThatWereNotSentAreRefused) {
+    const auto error = [](const std::function<void(std::string&)>& change) -> std::string {
+        std::vector<float> values(200);
+        DirtyBlocks dirty(dirty_blocks_in(values.size()), 1);
+        const Ranks ranks{0, 2, [&](std::vector<std::string> messages) {
+                              change(messages[1]);
+                              return messages;
+                          }};
+        try {
+            exchange_of(ranks).share_moved({{values, dirty}});
+        } catch (const Error& e) {
+            return e.what();
+        }
+        return "";
+    };
+    const auto blocks = [](std::uint64_t from, std::uint64_t to) {
+        return [=](std::string& message) {
+            message.clear();
+            put(message, from), put(message, to);
+            message.append(64, '\0');
+            put(message, ~std::uint64_t{0});
+        };
+    };
+    EXPECT_EQ(error(blocks(0, 16)), "");
+    EXPECT_EQ(error([](std::string& m) { m.pop_back(); }),
+              "an exchange gave a message of 407 bytes, expected 1 more");
+    EXPECT_EQ(error([](std::string& m) { m += 'x'; }),
+              "an exchange gave a message of 409 bytes, expected 408");
+    EXPECT_EQ(error(blocks(96, 112)), "an exchange gave values 96 to 112, expected some of 104");
+    EXPECT_EQ(error(blocks(16, 0)), "an exchange gave values 16 to 0, expected some of 104");
+    EXPECT_EQ(error(blocks(~std::uint64_t{0} - 15, 0)),
+              "an exchange gave values 18446744073709551600 to 0, expected some of 104");
 }
 
 TEST(SharedPyramid, PartsAreWholeBlocksThatMakeUpTheWhole) {

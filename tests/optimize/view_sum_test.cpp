@@ -4,8 +4,10 @@
 
 #include <gtest/gtest.h>
 
+#include <functional>
 #include <random>
 
+#include "burnish/error.h"
 #include "optimize/ranks.h"
 #include "optimize/thread_ranks.h"
 
@@ -101,6 +103,34 @@ TEST(ViewSumTest, IsTheSameForAnyProcessesAndViews) {
                 }
             });
         }
+}
+
+TEST(ViewSumTest, MessagesThatWereNotSentAreRefused) {
+    using Messages = std::vector<std::string>;
+    const auto gradient = gradients_of(1, kShapes).front();
+    const auto error = [&](const std::function<void(Messages&)>& change) -> std::string {
+        const Ranks ranks{0, 2, [&](Messages messages) {
+                              change(messages);
+                              return messages;
+                          }};
+        ViewSum work;
+        add_node(0, 1, gradient, work);
+        try {
+            sum_of_views(ranks, kShapes, work);
+        } catch (const Error& e) {
+            return e.what();
+        }
+        return "";
+    };
+    EXPECT_EQ(error([](Messages& m) { m[1].clear(); }), "");
+    EXPECT_EQ(error([](Messages& m) {
+                  m = {"", ""};
+              }),
+              "an exchange gave no sums over bands, expected those of all views");
+    EXPECT_EQ(error([](Messages&) {}),
+              "an exchange gave a sum over 1 bands from 0 on, expected each band once");
+    const std::string cut = error([](Messages& m) { m[1].pop_back(); });
+    EXPECT_NE(cut.find("bytes, expected 1 more"), std::string::npos) << cut;
 }
 
 TEST(RanksTest, ValuesOfOthersArrive) {
