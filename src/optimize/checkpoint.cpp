@@ -299,12 +299,13 @@ void CheckpointWriter::offer(const Summary& run, const State::Values& state, boo
     if (!agree(ranks_, is_last || is_due(state))) return;
     const fs::path file = fs::path(options_.folder) / file_name(state.iteration);
     CheckpointNote note{file.string(), state.iteration, is_last, {}};
-    const Stopwatch watch;
     const WholeState whole{state, ranks_};
     try {
-        if (agree(ranks_, state.iteration != written_))
+        if (agree(ranks_, state.iteration != written_)) {
+            const Stopwatch watch;
             write_whole(whole, [&] { write(run, whole, file); });
-        written_ = state.iteration, took_ = watch.total();
+            written_ = state.iteration, took_ = watch.total();
+        }
     } catch (const OutputError& error) {
         if (!agree(ranks_, static_cast<bool>(options_.note))) throw;
         note.error = error.what();

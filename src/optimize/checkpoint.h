@@ -49,7 +49,7 @@ class CheckpointWriter {
     std::vector<std::filesystem::path> stale_;
     Stopwatch since_;                       ///< the last one
     std::optional<double> took_;            ///< seconds that the last one which was written took
-    std::optional<std::uint32_t> written_;  ///< iterations of the last one
+    std::optional<std::uint32_t> written_;  ///< iterations of the last one that was written
 };
 
 }  // namespace burnish

@@ -454,6 +454,27 @@ TEST_F(CheckpointTest, TheFirstOneWaitsWhereWritingItTakesLong) {
     EXPECT_EQ(files().size(), 1u);
 }
 
+/// One that lies there already says nothing of how long the next one takes.
+TEST_F(CheckpointTest, TheNextOneWaitsAsLongAsTheLastThatWasWrittenAsksFor) {
+    test::on_ranks(2, [&](const Ranks& ranks) {
+        std::chrono::milliseconds each{30};  // of an exchange, three of which writing needs
+        Ranks slow = ranks;
+        slow.exchange = [&](std::vector<std::string> messages) {
+            std::this_thread::sleep_for(each);
+            return ranks.exchange(std::move(messages));
+        };
+        State::Values state;
+        CheckpointWriter writer(checkpoints, {}, slow, 0);
+        writer.offer({}, state, true);
+        each = std::chrono::milliseconds(0);
+        writer.offer({}, state, true);
+        std::this_thread::sleep_for(std::chrono::milliseconds(200));
+        state.iteration = 1;
+        writer.offer({}, state, false);
+    });
+    EXPECT_EQ(files().size(), 1u);
+}
+
 /// A folder that is a file cannot hold checkpoints.
 TEST_F(CheckpointTest, OnesThatCannotBeWrittenAreHeardOf) {
     Options options;
