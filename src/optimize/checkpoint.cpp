@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cstddef>
+#include <exception>
 #include <fstream>
 #include <utility>
 
@@ -223,14 +224,13 @@ namespace {
 
 /// By the first process; where it cannot, all fail.
 void make_folder_for_all(const std::string& folder, const Ranks& ranks) {
-    std::string error;
+    std::exception_ptr caught;
     try {
         if (is_first(ranks)) make_folder(folder);
-    } catch (const OutputError& e) {
-        error = e.what();
+    } catch (...) {
+        caught = std::current_exception();
     }
-    if (ranks.count > 1) error = from_first(ranks, error);
-    if (!error.empty()) throw OutputError(error);
+    throw_from_first(ranks, caught);
 }
 
 }  // namespace

@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <new>
+
 #include "burnish/error.h"
 
 namespace burnish {
@@ -70,6 +72,42 @@ std::vector<std::string> all_gather(const Ranks& ranks, const std::string& messa
 std::string from_first(const Ranks& ranks, const std::string& message) {
     if (ranks.count == 1) return message;
     return ranks.exchange(is_first(ranks) ? to_each(ranks, message) : to_each(ranks)).front();
+}
+
+namespace {
+
+enum class Caught : char { kNothing, kOutputError, kBadAlloc, kOther };
+
+/// A message of what was caught: which of those it is, and its text.
+std::string message_of_caught(const std::exception_ptr& caught) {
+    const auto message = [](Caught which, const std::string& text = {}) {
+        return message_of(&which) + text;
+    };
+    if (!caught) return message(Caught::kNothing);
+    try {
+        std::rethrow_exception(caught);
+    } catch (const OutputError& error) {
+        return message(Caught::kOutputError, error.what());
+    } catch (const std::bad_alloc&) {
+        return message(Caught::kBadAlloc);
+    } catch (const std::exception& error) {
+        return message(Caught::kOther, error.what());
+    } catch (...) {
+        return message(Caught::kOther, "no exception of the standard library");
+    }
+}
+
+}  // namespace
+
+void throw_from_first(const Ranks& ranks, const std::exception_ptr& caught) {
+    const std::string came = from_first(ranks, message_of_caught(caught));
+    if (caught) std::rethrow_exception(caught);
+    const auto which = value_in<Caught>(came.substr(0, 1));
+    const std::string text = came.substr(1);
+    if (which == Caught::kNothing) return;
+    if (which == Caught::kOutputError) throw OutputError(text);
+    if (which == Caught::kBadAlloc) throw std::bad_alloc();
+    throw Error("process 0 has failed: " + text);
 }
 
 void require_bytes(const std::string& message, std::size_t bytes) {

@@ -6,6 +6,7 @@
 #pragma once
 
 #include <cstring>
+#include <exception>
 #include <stdexcept>
 #include <string>
 #include <type_traits>
@@ -46,6 +47,10 @@ std::vector<std::string> all_gather(const Ranks& ranks, const std::string& messa
 
 /// What the first rank says.
 std::string from_first(const Ranks& ranks, const std::string& message);
+
+/// Throws on all ranks what the first one has caught, null for nothing: itself there, the same on
+/// the others where it is OutputError or std::bad_alloc, otherwise Error.
+void throw_from_first(const Ranks& ranks, const std::exception_ptr& caught);
 
 /// The bytes of a value, or of several in a row.
 template <class T>

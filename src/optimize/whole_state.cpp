@@ -1,6 +1,7 @@
 #include "optimize/whole_state.h"
 
-#include "burnish/error.h"
+#include <exception>
+
 #include "optimize/iterate.h"
 #include "optimize/owners.h"
 #include "optimize/pieces.h"
@@ -275,12 +276,14 @@ void drop_views_of_others(const Setup& setup, State::Values& state) {
 void write_whole(const WholeState& state, const std::function<void()>& write) {
     if (state.ranks.count == 1) return write();
     const std::string parted = from_first(state.ranks, parted_arrays(state));
-    std::string error;
+    std::exception_ptr caught;
     if (is_first(state.ranks)) {
         try {
             write();
-        } catch (const std::exception& e) {  // the others wait
-            error = e.what();
+        } catch (const FailedElsewhere&) {
+            throw;
+        } catch (...) {  // the others wait
+            caught = std::current_exception();
         }
         end_pieces(state.ranks);
     } else {
@@ -289,8 +292,7 @@ void write_whole(const WholeState& state, const std::function<void()>& write) {
                                       write_piece(state, pieces[i], sink);
                                   }});
     }
-    error = from_first(state.ranks, error);
-    if (!error.empty()) throw OutputError(error);
+    throw_from_first(state.ranks, caught);
 }
 
 // As the fields of State::Values.

@@ -25,8 +25,8 @@ struct WholeState {
 };
 
 /// While the first process writes, the others give what it asks for: all call it at the same time,
-/// and it returns once the first one has. write: called by the first one alone, throws what ends
-/// all.
+/// and it returns once the first one has. write: called by the first one alone. What it throws ends
+/// all: see throw_from_first.
 void write_whole(const WholeState& state, const std::function<void()>& write);
 
 /// Within write_whole.

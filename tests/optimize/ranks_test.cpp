@@ -2,9 +2,12 @@
 #include <gtest/gtest.h>
 
 #include <fstream>
+#include <new>
+#include <stdexcept>
 
 #include "burnish/checkpoint.h"
 #include "burnish/error.h"
+#include "optimize/checkpoint.h"
 #include "optimize/checkpoint_folder.h"
 #include "optimize/estimators.h"
 #include "optimize/ranks.h"
@@ -227,6 +230,38 @@ TEST(Processes, MessagesThatWereNotSentAreRefused) {
     EXPECT_EQ(error(9), "");
 }
 
+TEST(Processes, WhatEndsWritingEndsAll) {
+    const State::Values none;
+    test::on_ranks(2, [&](const Ranks& ranks) {
+        const WholeState state{none, ranks};
+        EXPECT_THROW(write_whole(state, [] { throw OutputError(""); }), OutputError);
+        EXPECT_THROW(write_whole(state, [] { throw std::bad_alloc(); }), std::bad_alloc);
+        const auto fail = [&] { write_whole(state, [] { throw std::logic_error("a defect"); }); };
+        if (ranks.rank == 0) {
+            EXPECT_THROW(fail(), std::logic_error);
+        } else {
+            EXPECT_THROW(fail(), Error);
+        }
+        EXPECT_NO_THROW(write_whole(state, [] {}));
+    });
+}
+
+/// As the jobs of a batch do, each of which goes on after the exchange where one has failed.
+TEST(Processes, AnotherThatFailsEndsWriting) {
+    const State::Values none;
+    test::on_ranks(2, [&](const Ranks& ranks) {
+        const Ranks together = failable(ranks);
+        if (ranks.rank == 0) {
+            const auto write = [&] { together.exchange(to_each(together)); };
+            EXPECT_THROW(write_whole({none, together}, write), FailedElsewhere);
+        } else {
+            from_first(together, "");  // which arrays lie in parts
+            tell_stopped(together);
+        }
+        EXPECT_EQ(all_values(ranks, ranks.rank), (std::vector<int>{0, 1}));
+    });
+}
+
 struct ProcessesAndCheckpoints : test::CheckpointFolder {};
 
 TEST_F(ProcessesAndCheckpoints, ARunGoesOnWithAnotherNumber) {
@@ -296,6 +331,29 @@ TEST_F(ProcessesAndCheckpoints, AFileThatCannotBeWrittenIsSaidByAll) {
         EXPECT_EQ(solve(own, few, noted).iterations.size(), 2u);
         EXPECT_EQ(errors > 0, ranks.rank == 0);
     });
+}
+
+TEST_F(ProcessesAndCheckpoints, WhereMemoryEndsWhileWritingAllEnd) {
+    const Problem problem = problem_for_ranks();
+    Options options = test::options_for_ranks(PathCache{.samples = 2, .window = 2}, 7);
+    options.stop.iterations = 1;
+    int notes = 0;
+    checkpoints.note = [&](const CheckpointNote&) { ++notes; };
+    test::on_ranks(2, [&](const Ranks& ranks) {
+        const Problem own = test::of_rank(problem, ranks);
+        const State part = solve(own, options).state;
+        int left = -1;  // exchanges until memory ends
+        Ranks short_of_memory = ranks;
+        short_of_memory.exchange = [&](std::vector<std::string> messages) {
+            if (left-- == 0) throw std::bad_alloc();
+            return ranks.exchange(std::move(messages));
+        };
+        CheckpointWriter writer(checkpoints, {}, short_of_memory, 0);
+        // After whether it is due, whether it is new, and which arrays lie in parts.
+        if (ranks.rank == 0) left = 3;
+        EXPECT_THROW(writer.offer({}, part.values(), true), std::bad_alloc) << ranks.rank;
+    });
+    EXPECT_EQ(notes, 0);
 }
 
 TEST_F(ProcessesAndCheckpoints, AStateOfOtherViewsIsRefused) {
