@@ -11,6 +11,7 @@
 #include <cstdint>
 #include <optional>
 #include <set>
+#include <span>
 #include <sstream>
 #include <string_view>
 #include <unordered_map>
@@ -101,9 +102,19 @@ std::string_view take_word(std::string_view& text, const char* separators) {
     return word;
 }
 
+/// Slashes that end a corner become blanks: tinyobjloader looks for an index behind them, and takes
+/// that of the next corner. word: of the line.
+void blank_last_slashes(std::span<char> line, std::string_view word) {
+    const std::size_t kept = word.find_last_not_of('/') + 1;
+    if (kept == 0) return;  // no corner, which is refused later
+    const auto begin = static_cast<std::size_t>(word.data() - line.data());
+    std::ranges::fill(line.subspan(begin + kept, word.size() - kept), ' ');
+}
+
 /// A line of a face has vertices, with indices of vertices, texture coordinates and normals.
-void check_face(const std::string& name, int number, std::string_view line) {
+void check_face(const std::string& name, int number, std::span<char> text) {
     constexpr const char* kBlank = " \t";
+    std::string_view line(text.data(), text.size());
     line.remove_prefix(std::min(line.find_first_not_of(kBlank), line.size()));
     if (take_word(line, kBlank) != "f") return;
     bool has_vertices = false;
@@ -116,6 +127,7 @@ void check_face(const std::string& name, int number, std::string_view line) {
                     fmt::format("{}:{}: found \"{:.40}\", expected whole numbers between slashes",
                                 name, number, word));
         has_vertices |= !word.empty();
+        blank_last_slashes(text, word);
     }
     if (!has_vertices)
         throw InputError(
@@ -132,13 +144,13 @@ void blank_comments(std::string& text) {
 }
 
 /// tinyobjloader leaves out a face without vertices, and takes what is no index for another one:
-/// check the words of the faces.
-void check_faces(const std::string& name, std::string_view text) {
+/// check the words of the faces, and leave what it reads rightly.
+void check_faces(const std::string& name, std::string& text) {
     int line = 0;
     for (std::size_t begin = 0; begin < text.size();) {
         const std::size_t end = std::min(text.find_first_of("\r\n", begin), text.size());
-        check_face(name, ++line, text.substr(begin, end - begin));
-        begin = end + (text.substr(end, 2) == "\r\n" ? 2 : 1);
+        check_face(name, ++line, std::span(text).subspan(begin, end - begin));
+        begin = end + (text.compare(end, 2, "\r\n") == 0 ? 2 : 1);
     }
 }
 

@@ -252,6 +252,36 @@ std::vector<std::string> warnings_of_obj(const TemporaryFolder& folder,
         .warnings;
 }
 
+TEST(Obj, SlashesThatEndACornerSayNothing) {
+    const TemporaryFolder folder;
+    const auto read = [&](const std::string& face) {
+        return read_obj_file(
+            write_text(folder, "a.obj",
+                       "v 0 0 0\nv 2 0 0\nv 2 2 0\nv 0 2 0\nvt 0.1 0.1\nvt 0.2 0.1\nvt 0.2 0.2\n"
+                       "vn 0.6 0 0.8\nvn 0 0.6 0.8\nvn 0 0 1\n" +
+                           face));
+    };
+    for (const auto& [slashed, plain] :
+         {std::pair{"f 1/ 2/ 3/\n", "f 1 2 3\n"},
+          {"f 1// 2// 3//\n", "f 1 2 3\n"},
+          {"f 1/\t2//  3/ # 4\r\nf 1 3 4/", "f 1 2 3\nf 1 3 4\n"},
+          {"f 1/2/ 2/3/ 3/1/\n", "f 1/2 2/3 3/1\n"},
+          {"f 1/2/3/ 2/3/1/ 3//2/\n", "f 1/2/3 2/3/1 3//2\n"},
+          {"f 1/1 2/2 3/3\nf 1/ 3/ 4/\n", "f 1/1 2/2 3/3\nf 1 3 4\n"}}) {
+        const MeshFile found = read(slashed), expected = read(plain);
+        EXPECT_EQ(found.mesh.positions, expected.mesh.positions) << slashed;
+        EXPECT_EQ(found.mesh.uvs, expected.mesh.uvs) << slashed;
+        EXPECT_EQ(found.mesh.normals, expected.mesh.normals) << slashed;
+        EXPECT_EQ(indices(found.mesh), indices(expected.mesh)) << slashed;
+    }
+    EXPECT_EQ(read("f 1/1 2/2 3/3\nf 1/ 3/ 4/\n").corners_without_uv, 3u);
+    EXPECT_THROW(read("f 1 2 3 //\n"), InputError);
+    const auto message = message_of(
+        read_obj, write_text(folder, "a.obj", "v 0 0 0\nf 1/ 1/ 1/\nusemtl a/ b/\nf 1/ 2/ 1/\n"));
+    EXPECT_NE(message.find("a.obj:4: found the vertex index 2, but 1"), std::string::npos)
+        << message;
+}
+
 TEST(Obj, CornersKeepTheNormalsThatTheyHave) {
     const TemporaryFolder folder;
     const auto path =
