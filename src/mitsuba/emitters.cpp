@@ -103,20 +103,26 @@ PointEmitter read_point(Properties& properties) {
     return emitter;
 }
 
-/// The place and axes of a light, without its scale, which does not matter.
-Transform take_light_transform(Properties& properties) {
+/// Where a light stands, and the scale of its axes.
+struct LightPlace {
+    Transform to_world;  ///< rigid
+    float scale = 1;
+};
+
+LightPlace take_light_place(Properties& properties) {
     const Transform to_world = take_transform(properties, "to_world").value_or(Transform{});
-    if (!uniform_scale(to_world, 1e-3).uniform)
+    const UniformScale scale = uniform_scale(to_world, 1e-3);
+    if (!scale.uniform)
         fail(properties.node->place,
              fmt::format("\"to_world\" of the {} shears or scales its axes differently, expected a "
                          "rotation and translation",
                          properties.type));
-    return orthonormalised(to_world);
+    return {orthonormalised(to_world), static_cast<float>(scale.scale)};
 }
 
 SpotEmitter read_spot(Loader& loader, Properties& properties) {
     SpotEmitter spot;
-    spot.to_world = take_light_transform(properties);
+    spot.to_world = take_light_place(properties).to_world;  // a cone is the same at any scale
     spot.intensity = take_emission(properties, "intensity");
     spot.cutoff = take_float(properties, "cutoff_angle", 20);
     spot.beam_width = take_float(properties, "beam_width", 0.75f * spot.cutoff);
@@ -152,13 +158,15 @@ DirectionalEmitter read_directional(Properties& properties) {
 
 ProjectorEmitter read_projector(Loader& loader, Properties& properties) {
     ProjectorEmitter projector;
-    projector.to_world = take_light_transform(properties);
+    const LightPlace place = take_light_place(properties);
+    projector.to_world = place.to_world;
     const Emission emission = take_textured_emission(loader, properties, "irradiance");
     const float scale = take_float(properties, "scale", 1);
     if (scale < 0)
         fail(properties.node->place,
              fmt::format("\"scale\" is {}, expected no negative value", scale));
-    projector.irradiance = emission.color * scale;
+    // As in Mitsuba, where the length that to_world gives the axes counts as a brightness does.
+    projector.irradiance = emission.color * (scale * place.scale);
     projector.texture = emission.texture;
     if (emission.texture)
         if (const Bitmap* bitmap = bitmap_of(loader.result.scene[emission.texture]))

@@ -54,6 +54,26 @@ TEST(Kinds, BeamsAndDirections) {
     EXPECT_EQ(projector.fov_x, 30);
 }
 
+/// As in Mitsuba.
+TEST(Kinds, TheScaleOfAProjectorMultipliesItsIrradiance) {
+    const TemporaryFolder folder;
+    for (const auto& [scale, factor] : {std::pair{"1", 1.0f}, {"3", 3.0f}, {"-0.5", 0.5f}}) {
+        const Scene scene =
+            load_quietly(folder,
+                         "<emitter type='projector'><rgb name='irradiance' value='1 2 4'/><float "
+                         "name='scale' value='2'/><transform name='to_world'><scale value='" +
+                             std::string(scale) +
+                             "'/><rotate y='1' angle='90'/><translate x='4'/></transform>"
+                             "</emitter>")
+                .scene;
+        const auto& projector = std::get<ProjectorEmitter>(scene.emitters[0]);
+        EXPECT_NEAR(projector.irradiance.x, 2 * factor, 1e-5f) << scale;
+        EXPECT_NEAR(projector.irradiance.z, 8 * factor, 1e-5f) << scale;
+        EXPECT_NEAR(std::abs(projector.to_world(0, 2)), 1, 1e-12) << scale;
+        EXPECT_NEAR(projector.to_world(0, 3), 4, 1e-12) << scale;
+    }
+}
+
 TEST(Kinds, ABeamWiderThanItsCutoffFillsTheCone) {
     const TemporaryFolder folder;
     const Scene scene =
