@@ -11,7 +11,7 @@ namespace {
 
 FacetShape take_shape(Properties& properties) {
     ignore(properties, {"sample_visible"});
-    return take_choice(properties, "distribution", {"beckmann", "ggx"}, 0) == 0
+    return take_choice_in_any_case(properties, "distribution", {"beckmann", "ggx"}, 0) == 0
                ? FacetShape::kBeckmann
                : FacetShape::kGgx;
 }

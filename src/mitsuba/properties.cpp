@@ -27,6 +27,16 @@ std::string value_of(const Property& property) {
                                              properties.node->tag, properties.type, name));
 }
 
+int choice_of(const Property& property, const std::string& word,
+              const std::vector<std::string>& choices) {
+    const auto found = std::find(choices.begin(), choices.end(), word);
+    if (found == choices.end())
+        fail(property.site->place,
+             fmt::format("the parameter \"{}\" is \"{:.40}\", expected {}", property.name,
+                         value_of(property), fmt::join(choices, ", ")));
+    return static_cast<int>(found - choices.begin());
+}
+
 }  // namespace
 
 void expect_tag(const Property& property, std::initializer_list<const char*> tags) {
@@ -145,12 +155,15 @@ int take_choice(Properties& properties, const std::string& name,
     const Property* property = take(properties, name);
     if (!property) return fallback;
     expect_tag(*property, {"string"});
-    const auto found = std::find(choices.begin(), choices.end(), value_of(*property));
-    if (found == choices.end())
-        fail(property->site->place,
-             fmt::format("the parameter \"{}\" is \"{:.40}\", expected {}", name,
-                         value_of(*property), fmt::join(choices, ", ")));
-    return static_cast<int>(found - choices.begin());
+    return choice_of(*property, value_of(*property), choices);
+}
+
+int take_choice_in_any_case(Properties& properties, const std::string& name,
+                            const std::vector<std::string>& choices, int fallback) {
+    const Property* property = take(properties, name);
+    if (!property) return fallback;
+    expect_tag(*property, {"string"});
+    return choice_of(*property, lower_case(value_of(*property)), choices);
 }
 
 std::optional<Vec3<double>> take_point(Properties& properties, const std::string& name) {

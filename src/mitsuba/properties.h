@@ -58,6 +58,9 @@ std::string take_file_name(Properties& properties);
 /// One of the words of `choices`, as its index.
 int take_choice(Properties& properties, const std::string& name,
                 const std::vector<std::string>& choices, int fallback);
+/// The same, of words that may be written in capitals; those of `choices` are not.
+int take_choice_in_any_case(Properties& properties, const std::string& name,
+                            const std::vector<std::string>& choices, int fallback);
 std::optional<Vec3<double>> take_point(Properties& properties, const std::string& name);
 std::optional<Transform> take_transform(Properties& properties, const std::string& name);
 

@@ -51,8 +51,8 @@ double take_fov_x(Loader& loader, Properties& properties, double aspect) {
     if (fov && focal_length)
         fail(focal_length->site->place,
              "found both \"fov\" and \"focal_length\", expected at most one of them");
-    const int axis =
-        take_choice(properties, "fov_axis", {"x", "y", "diagonal", "smaller", "larger"}, 0);
+    const int axis = take_choice_in_any_case(properties, "fov_axis",
+                                             {"x", "y", "diagonal", "smaller", "larger"}, 0);
     if (const Property* given = take(properties, "fov_axis"); given && !fov)
         note(loader, given->site->place,
              "\"fov_axis\" has no effect without \"fov\": a focal length means the diagonal");

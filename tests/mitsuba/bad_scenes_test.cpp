@@ -168,6 +168,18 @@ const BadScene kBadScenes[] = {
      "name='crop_width' "
      "value='9'/></film></sensor>",
      "2:28: the crop window of 9 x 576 pixels at (0, 0) leaves the film of 8 x 576 pixels"},
+    {"CropOffsetAlone",
+     "<sensor type='perspective'><film type='hdrfilm'><integer name='crop_offset_x' "
+     "value='5'/></film></sensor>",
+     "2:28: the crop window of 768 x 576 pixels at (5, 0) leaves the film of 768 x 576 pixels"},
+    {"FilterInCapitals",
+     "<emitter type='projector'><texture type='bitmap' name='irradiance'><string name='filename' "
+     "value='a.png'/>\n<string name='filter_type' value='Nearest'/></texture></emitter>",
+     "3:1: the parameter \"filter_type\" is \"Nearest\", expected nearest, bilinear"},
+    {"WrapInCapitals",
+     "<emitter type='projector'><texture type='bitmap' name='irradiance'><string name='filename' "
+     "value='a.png'/>\n<string name='wrap_mode' value='Mirror'/></texture></emitter>",
+     "3:1: the parameter \"wrap_mode\" is \"Mirror\", expected repeat, mirror, clamp"},
     {"UnknownChoice", "<sensor type='perspective'><string name='fov_axis' value='z'/></sensor>",
      "2:28: the parameter \"fov_axis\" is \"z\", expected x, y, diagonal, smaller, larger"},
     {"FovAndFocalLength",

@@ -68,6 +68,23 @@ TEST(InterfaceScenes, MirrorAndBeckmannAreTheDefaults) {
     EXPECT_EQ(b.roughness.alpha[0].constant, 0.1f);
 }
 
+/// As in Mitsuba.
+TEST(InterfaceScenes, DistributionsMayBeWrittenInCapitals) {
+    const TemporaryFolder folder;
+    const auto read = [&](const std::string& type, const char* distribution) {
+        return load_interface(folder, "<bsdf type='" + type +
+                                          "'><string name='distribution' value='" + distribution +
+                                          "'/></bsdf>")
+            .bsdfs[0];
+    };
+    for (const auto& [word, shape] :
+         {std::pair{"GGX", FacetShape::kGgx}, {"Beckmann", FacetShape::kBeckmann}}) {
+        EXPECT_EQ(std::get<RoughConductor>(read("roughconductor", word)).roughness.shape, shape);
+        EXPECT_EQ(std::get<RoughDielectric>(read("roughdielectric", word)).roughness.shape, shape);
+        EXPECT_EQ(std::get<RoughPlastic>(read("roughplastic", word)).shape, shape);
+    }
+}
+
 TEST(InterfaceScenes, PlasticsWithTheirIndices) {
     const TemporaryFolder folder;
     const auto plain = std::get<Plastic>(load_interface(folder, "<bsdf type='plastic'/>").bsdfs[0]);

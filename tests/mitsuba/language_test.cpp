@@ -137,6 +137,31 @@ TEST(Language, AnAxisBesideAFocalLengthHasNoEffectAndItIsSaid) {
     EXPECT_TRUE(with("").notes.empty());
 }
 
+/// As in Mitsuba.
+TEST(Language, AxesOfViewMayBeWrittenInCapitals) {
+    const TemporaryFolder folder;
+    const auto load = [&](const std::string& axis) {
+        const std::string view =
+            "<float name='fov' value='40'/><string name='fov_axis' value='" + axis + "'/>";
+        return load_text(folder, "<emitter type='projector'>" + view +
+                                     "<texture type='bitmap' name='irradiance'><string "
+                                     "name='filename' value='wide.png'/></texture></emitter>"
+                                     "<sensor type='perspective'>" +
+                                     view + "</sensor>")
+            .scene;
+    };
+    write_image(folder.path / "wide.png", make_image(6, 3, 3, 0.5f));
+    for (const auto& [written, axis] :
+         {std::pair{"Y", "y"}, {"Diagonal", "diagonal"}, {"SMALLER", "smaller"}}) {
+        const Scene found = load(written), expected = load(axis);
+        EXPECT_EQ(found.camera.fov_x, expected.camera.fov_x) << written;
+        EXPECT_NE(found.camera.fov_x, 40) << written;
+        EXPECT_EQ(std::get<ProjectorEmitter>(found.emitters[0]).fov_x,
+                  std::get<ProjectorEmitter>(expected.emitters[0]).fov_x)
+            << written;
+    }
+}
+
 TEST(Language, LookAtWithoutUpRollsAsInMitsuba) {
     const TemporaryFolder folder;
     const float expected[3][3] = {// of Mitsuba 3.9.1
