@@ -1,11 +1,9 @@
 // The film `hdrfilm`, its filter, and samplers.
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <limits>
 
-#include "core/lower_case.h"
 #include "image/image.h"
 #include "mitsuba/loader.h"
 #include "shading/filter.h"
@@ -51,13 +49,10 @@ void take_size(Loader& loader, Properties& properties, Film& film) {
     film.height = take_integer(properties, "height", 576, 1, kMaxImageSide);
     film.crop_x = take_integer(properties, "crop_offset_x", 0, 0, kMaxImageSide);
     film.crop_y = take_integer(properties, "crop_offset_y", 0, 0, kMaxImageSide);
-    film.crop_width =
-        take_integer(properties, "crop_width", film.width - film.crop_x, 1, kMaxImageSide);
-    film.crop_height =
-        take_integer(properties, "crop_height", film.height - film.crop_y, 1, kMaxImageSide);
+    film.crop_width = take_integer(properties, "crop_width", film.width, 1, kMaxImageSide);
+    film.crop_height = take_integer(properties, "crop_height", film.height, 1, kMaxImageSide);
     const Place& place = properties.node->place;
-    if (film.crop_width < 1 || film.crop_height < 1 || film.crop_x + film.crop_width > film.width ||
-        film.crop_y + film.crop_height > film.height)
+    if (film.crop_x + film.crop_width > film.width || film.crop_y + film.crop_height > film.height)
         fail(place,
              fmt::format(
                  "the crop window of {} x {} pixels at ({}, {}) leaves the film of {} x {} pixels",
@@ -75,16 +70,9 @@ void take_size(Loader& loader, Properties& properties, Film& film) {
 }
 
 /// What the file holds; which one it is, and with how many bits, is said on the command line.
-void take_file_format(Properties& properties, Film& film) {
-    const auto choose = [&](const char* name, std::initializer_list<const char*> known) {
-        const Property* property = take(properties, name);
-        if (!property) return std::string();
-        const std::string value = lower_case(take_string(properties, name, ""));
-        if (std::find(known.begin(), known.end(), value) == known.end())
-            fail(property->site->place,
-                 fmt::format("the parameter \"{}\" is \"{:.40}\", expected {}", name, value,
-                             fmt::join(known, ", ")));
-        return value;
+void take_file_format(Loader& loader, Properties& properties, Film& film) {
+    const auto choose = [&](const char* name, const std::vector<std::string>& known) {
+        return known[static_cast<std::size_t>(take_choice_in_any_case(properties, name, known, 0))];
     };
     choose("file_format",
            {"openexr", "exr", "rgbe", "pfm", "png", "jpeg", "jpg", "mfilm", "numpy"});
@@ -92,7 +80,10 @@ void take_file_format(Properties& properties, Film& film) {
     const std::string pixels =
         choose("pixel_format",
                {"rgb", "rgba", "luminance", "luminance_alpha", "luminancealpha", "xyz", "xyza"});
-    const bool alpha = !pixels.empty() && pixels.back() == 'a';
+    const bool alpha = pixels.back() == 'a';
+    if (pixels.starts_with("xyz"))
+        note(loader, properties.node->place,
+             fmt::format("pixel_format \"{}\" is read as \"{}\"", pixels, alpha ? "rgba" : "rgb"));
     if (pixels.starts_with("luminance"))
         film.pixel_format = alpha ? PixelFormat::kLuminanceAlpha : PixelFormat::kLuminance;
     else
@@ -114,7 +105,7 @@ Film read_film(Loader& loader, const Node& node) {
             loader, node.place,
             "sample_border is read as false: pixels within the filter's radius of the border are "
             "averaged over the film alone");
-    take_file_format(properties, film);
+    take_file_format(loader, properties, film);
     ignore(properties, {"banner", "compensate", "high_quality_edges", "gamma", "attach_log"});
     warn_unknown(properties, loader.result.warnings);
     return film;

@@ -447,19 +447,42 @@ TEST(Language, FilmSizeCanBeReplaced) {
     EXPECT_EQ(load_text(folder, text).scene.film.crop_width, 10);
 }
 
-TEST(Language, ACropWindowWithoutASizeReachesToTheEdges) {
+/// As in Mitsuba: a crop window that has one size given has the other of the film.
+TEST(Language, ACropWindowWithoutASizeHasThatOfTheFilm) {
     const TemporaryFolder folder;
-    const Film film =
-        load_text(folder,
-                  "<emitter type='constant'/><sensor type='perspective'><film type='hdrfilm'>"
-                  "<integer name='width' value='100'/><integer name='height' value='50'/>"
-                  "<integer name='crop_offset_x' value='30'/><integer name='crop_offset_y' "
-                  "value='20'/></film></sensor>")
+    const auto load = [&](const std::string& crop) {
+        return load_text(folder,
+                         "<emitter type='constant'/><sensor type='perspective'><film "
+                         "type='hdrfilm'><integer name='width' value='100'/><integer "
+                         "name='height' value='50'/><integer name='crop_offset_x' value='30'/>" +
+                             crop + "</film></sensor>")
             .scene.film;
+    };
+    const Film film = load("<integer name='crop_width' value='70'/>");
     EXPECT_EQ(film.crop_x, 30);
-    EXPECT_EQ(film.crop_y, 20);
     EXPECT_EQ(film.crop_width, 70);
-    EXPECT_EQ(film.crop_height, 30);
+    EXPECT_EQ(film.crop_height, 50);
+    EXPECT_THROW(load(""), InputError);
+    EXPECT_THROW(load("<integer name='crop_width' value='70'/><integer name='crop_offset_y' "
+                      "value='1'/>"),
+                 InputError);
+}
+
+TEST(Language, PixelsOfXyzAreReadAsRgbAndItIsSaid) {
+    const TemporaryFolder folder;
+    const auto load = [&](const std::string& format) {
+        return load_text(folder,
+                         "<emitter type='constant'/><integrator type='direct'/><sensor "
+                         "type='perspective'><film type='hdrfilm'><string name='pixel_format' "
+                         "value='" +
+                             format + "'/></film></sensor>");
+    };
+    EXPECT_TRUE(load("rgb").notes.empty());
+    const LoadedScene xyz = load("XYZ"), xyza = load("xyza");
+    EXPECT_EQ(xyz.scene.film.pixel_format, PixelFormat::kRgb);
+    EXPECT_TRUE(mentions(xyz.notes, "pixel_format \"xyz\" is read as \"rgb\""));
+    EXPECT_EQ(xyza.scene.film.pixel_format, PixelFormat::kRgba);
+    EXPECT_TRUE(mentions(xyza.notes, "pixel_format \"xyza\" is read as \"rgba\""));
 }
 
 TEST(Language, ABorderOfSamplesIsWarnedOf) {
