@@ -130,14 +130,25 @@ float passed_share(const Bsdf& bsdf, float cosine) {
 }
 
 /// Takes a ray on behind the pane that it meets, if it is one. passed: times what goes through.
-bool pass_pane(const TraceInput& input, BsdfId bsdf, std::size_t i, RayLanes& rays, float& passed) {
-    if (!bsdf) return false;  // black
+/// Where a normal map leaves nothing of that, the path ends as where it meets nothing.
+bool pass_pane(const TraceInput& input, const SeenBsdfs& seen, std::size_t i, RayLanes& rays,
+               float& passed) {
+    if (!seen[i]) return false;  // black
+    const Scene& scene = *input.scene->scene;
     const Vec3f direction = get(rays.rays.direction, i);
-    const Surface s = surface_at(*input.scene->scene, input.scene->geometry->triangles,
-                                 hit_of(rays, i), get(rays.rays.origin, i), direction);
-    const float share = passed_share((*input.scene->scene)[bsdf], dot(s.shading.n, direction));
+    const Hit hit = hit_of(rays, i);
+    const Surface s = surface_at(scene, input.scene->geometry->triangles, hit,
+                                 get(rays.rays.origin, i), direction);
+    const auto& map = scene[seen.shown[i].material].normals;
+    const TurnedFrame turned = map ? turned_frame(*map, scene, *input.textures, hit, s, direction)
+                                   : TurnedFrame{s.shading, s.shading.n};
+    const float share = passed_share(scene[seen[i]], dot(turned.shading.n, direction));
     if (share <= 0) return false;
     passed *= share;
+    if (map && share_of_light(*map, turned.old_normal, turned.shading.n, direction) <= 0) {
+        rays.shape[i] = -1;
+        return false;
+    }
     set(rays.rays.origin, i, leave_surface(s.position, s.geometric_normal, direction));
     rays.rays.max_distance[i] = std::numeric_limits<float>::infinity();
     return true;
@@ -157,7 +168,7 @@ void pass_panes(const TraceInput& input, std::size_t count, RayLanes& rays, Colu
         const SeenBsdfs seen = seen_bsdfs(input, count, rays);
         onward.count = 0;
         for (std::size_t i = 0; i < count; ++i)
-            if (rays.shape[i] >= 0 && pass_pane(input, seen[i], i, rays, passed[i])) onward.add(i);
+            if (rays.shape[i] >= 0 && pass_pane(input, seen, i, rays, passed[i])) onward.add(i);
         for (std::size_t first = 0; first < onward.count; first += kPacketRays) {
             const ColumnIndices lanes = indices(onward, first);
             const HitPacket hits = input.scene->geometry->accel.intersect(gather(rays.rays, lanes),

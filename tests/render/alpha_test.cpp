@@ -118,5 +118,60 @@ TEST(Alpha, OfAPaneIsWhatItMirrors) {
     EXPECT_NEAR(mean_alpha(scene), 2 * 0.04 / 1.04, 1e-5);
 }
 
+/// What a pane of thin glass mirrors.
+double mirrored(float cosine) {
+    const double r = fresnel_dielectric(cosine, 1.5f).reflectance;
+    return 2 * r / (1 + r);
+}
+
+/// The floor becomes a pane whose normals are all that one.
+void lay_pane(Scene& scene, const Vec3f& normal) {
+    const BsdfId pane = test::add_bsdf(scene, Dielectric{{kWhite, kWhite}, 1.5f, true});
+    scene.materials[0] = {"pane", pane, {}};
+    Bitmap texels;
+    texels.width = texels.height = 2, texels.channels = 3;
+    for (int i = 0; i < 4 * 3; ++i) texels.values.push_back((normal[i % 3] + 1) / 2);
+    scene.textures.emplace_back(texels);
+    scene.materials[0].normals =
+        NormalMap{.texture = {static_cast<std::int32_t>(scene.textures.size()) - 1}};
+}
+
+TEST(Alpha, OfAPaneWithAMapIsWhatItsTurnedNormalMirrors) {
+    for (const float cosine : {1.0f, 0.6f, 0.3f}) {
+        Scene scene = floor_scene();
+        scene.camera.fov_x = 0.1f;  // straight on
+        lay_pane(scene, {std::sqrt(1 - cosine * cosine), 0, cosine});
+        EXPECT_NEAR(mean_alpha(scene), mirrored(cosine), 1e-3) << cosine;
+    }
+    EXPECT_GT(mirrored(0.3f), mirrored(1.0f) + 0.2);
+}
+
+TEST(Alpha, OfAPaneWithHeightsIsWhatItsTurnedNormalMirrors) {
+    Scene scene = floor_scene();
+    scene.camera.fov_x = 0.1f;
+    lay_pane(scene, {0, 0, 1});
+    Bitmap slope;  // from 0 to 1 in half of the floor, which is 18 wide
+    slope.width = slope.height = 2, slope.channels = 1;
+    slope.values = {0, 1, 0, 1};
+    scene.textures.back() = slope;
+    scene.materials[0].normals->height_scale = 18;
+    EXPECT_NEAR(mean_alpha(scene), mirrored(1 / std::sqrt(5.0f)), 1e-3);
+}
+
+/// As in Mitsuba: where a map leaves nothing of what goes straight on, the path ends there.
+TEST(Alpha, EndsWhereAMapLeavesNoLightThatPasses) {
+    Scene scene = floor_scene();
+    scene.camera.fov_x = 0.1f;
+    scene.camera.to_world = look_at({3, 0, 1}, {0, 0, 0}, {0, 1, 0});
+    lay_pane(scene, {-0.6f, 0, 0.8f});
+    scene.materials.push_back({"floor", {0}, {0}});
+    scene.shapes.push_back(scene.shapes[0]);
+    scene.shapes[1].geometry = test::make_quad({-9, -9, -1}, {18, 0, 0}, {0, 18, 0});
+    scene.shapes[1].material = {static_cast<std::int32_t>(scene.materials.size()) - 1};
+    EXPECT_EQ(mean_alpha(scene), 1) << "the normal is turned to the camera";
+    scene.materials[0].normals->flip_invalid = false;
+    EXPECT_NEAR(mean_alpha(scene), mirrored(1 / std::sqrt(10.0f)), 1e-3);
+}
+
 }  // namespace
 }  // namespace burnish
