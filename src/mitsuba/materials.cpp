@@ -189,6 +189,9 @@ void check_map(Loader& loader, const NormalMap& map, const Place& place) {
     const Bitmap* bitmap = bitmap_of(loader.result.scene[map.texture]);
     if (map.height_scale && (!bitmap || bitmap->is_attribute))
         fail(place, "bsdf \"bumpmap\" has a texture without texels, expected a \"bitmap\"");
+    if (!map.height_scale && bitmap && bitmap->channels == 1)
+        fail(place,
+             "the normal map has one channel, expected three: heights belong in a \"bumpmap\"");
     if (bitmap && !bitmap->raw)
         log_warning(loader, place,
                     fmt::format("the {} map is decoded as colours: expected \"raw\" to be true",

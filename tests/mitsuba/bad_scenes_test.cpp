@@ -363,6 +363,25 @@ TEST(BadSceneFiles, NoSceneAtAll) {
               std::string::npos);
 }
 
+TEST(BadSceneFiles, ANormalMapOfOneChannelIsRefused) {
+    const TemporaryFolder folder;
+    write_image(folder.path / "gray.png", make_image(2, 2, 1, 0.5f));
+    const auto error_with = [&](const std::string& type) {
+        return error_of(write_text(
+            folder, "a.xml",
+            "<scene version='3.0.0'><bsdf type='" + type +
+                "' id='m'><bsdf type='diffuse'/>\n<texture type='bitmap' name='normalmap'><string "
+                "name='filename' value='gray.png'/><boolean name='raw' value='true'/></texture>"
+                "</bsdf><shape type='cube'><ref id='m'/></shape></scene>"));
+    };
+    EXPECT_NE(error_with("normalmap")
+                  .find("a.xml:2:1: the normal map has one channel, expected three: heights belong "
+                        "in a \"bumpmap\""),
+              std::string::npos)
+        << error_with("normalmap");
+    EXPECT_EQ(error_with("bumpmap"), "");
+}
+
 TEST(BadSceneFiles, VerticesFarOutAreWhereTheShapeStands) {
     const TemporaryFolder folder;
     write_text(folder, "far.obj", "v 0 0 0\nv 1e30 0 0\nv 0 1e30 0\nf 1 2 3\n");
