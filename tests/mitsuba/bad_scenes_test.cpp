@@ -86,6 +86,21 @@ const BadScene kBadScenes[] = {
     {"SquashedSpot",
      "<emitter type='spot'><transform name='to_world'><scale x='2'/></transform></emitter>",
      "2:1: \"to_world\" of the spot shears or scales its axes differently"},
+    {"SquashedProjector",
+     "<emitter type='projector'><transform name='to_world'><scale z='2'/></transform></emitter>",
+     "2:1: \"to_world\" of the projector shears or scales its axes differently"},
+    {"SquashedEnvironment",
+     "<emitter type='envmap'><string name='filename' value='a.exr'/><transform "
+     "name='to_world'><scale x='2'/></transform></emitter>",
+     "2:1: \"to_world\" of the envmap scales or shears, expected a rotation"},
+    {"ShearedEnvironment",
+     "<emitter type='envmap'><string name='filename' value='a.exr'/><transform "
+     "name='to_world'><matrix value='1 0.5 0 0 1 0 0 0 1'/></transform></emitter>",
+     "2:1: \"to_world\" of the envmap scales or shears, expected a rotation"},
+    {"NegativeEnvironment",
+     "<emitter type='envmap'><string name='filename' value='a.exr'/><float name='scale' "
+     "value='-1'/></emitter>",
+     "2:1: \"scale\" is -1, expected no negative value"},
     {"NoDirection", "<emitter type='directional'><vector name='direction' x='0'/></emitter>",
      "2:1: the direction of the light is 0, expected one to shine along"},
     {"NegativeProjector", "<emitter type='projector'><float name='scale' value='-1'/></emitter>",
@@ -233,6 +248,10 @@ const BadScene kBadScenes[] = {
      "value='0.5'/></bsdf></bsdf>",
      "3:1: found a bsdf that transmits inside \"twosided\", expected a reflecting "
      "one"},
+    {"TransmittingTwosidedThatIsAllowed",
+     "<bsdf type='twosided' id='a'><boolean name='allow_transmission' value='true'/>\n<bsdf "
+     "type='dielectric'/></bsdf>",
+     "3:1: found a bsdf that transmits inside \"twosided\", expected a reflecting one"},
     {"EmptyTwosided", "<bsdf type='twosided' id='a'/>",
      "2:1: bsdf \"twosided\" has 0 nested bsdfs, expected 1 or 2"},
     {"MissingSpectrum",
@@ -285,6 +304,10 @@ const BadScene kBadScenes[] = {
      "2:20: found the emitter \"point\" inside a shape, expected \"area\""},
     {"SingularShape",
      "<shape type='cube'><transform name='to_world'><scale x='0'/></transform></shape>",
+     "2:1: \"to_world\" of the shape has no inverse, expected an invertible transform"},
+    {"FlatRectangle",
+     "<shape type='rectangle'><transform name='to_world'><scale value='1 1 "
+     "0'/></transform></shape>",
      "2:1: \"to_world\" of the shape has no inverse, expected an invertible transform"},
     {"FlattenedDisk",  // by rounding it has a determinant
      "<shape type='disk'><transform name='to_world'><matrix value='-0.73 0.69 0.53 -0.49 -0.01 "
