@@ -6,11 +6,11 @@ namespace burnish {
 
 namespace {
 
-constexpr std::uint32_t kMost = 1 << 14;
+constexpr std::uint32_t kMostIterations = 1 << 14;
 
 /// One in so many iterations is kept where there were `count` before.
 std::uint32_t stride_after(std::uint32_t count) {
-    return count < kMost ? 1 : 2 * std::bit_floor(count / kMost);
+    return count < kMostIterations ? 1 : 2 * std::bit_floor(count / kMostIterations);
 }
 
 void keep_every_second(std::vector<Iteration>& iterations) {
@@ -22,7 +22,7 @@ void keep_every_second(std::vector<Iteration>& iterations) {
 
 void add_iteration(const Iteration& iteration, Summary& summary) {
     RunCounts& counts = summary.counts;
-    if (summary.iterations.size() == kMost) keep_every_second(summary.iterations);
+    if (summary.iterations.size() == kMostIterations) keep_every_second(summary.iterations);
     if (counts.iterations % stride_after(counts.iterations) == 0)
         summary.iterations.push_back(iteration);
     ++counts.iterations;
