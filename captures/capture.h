@@ -19,6 +19,8 @@ struct CapturedView {
     std::string mask;                     ///< file; empty: all ones
     Encoding encoding = {};               ///< of the image's file
     Turning turning = Turning::kUpright;  ///< of the image and the mask
+    std::string size_of = {};  ///< another view's image, whose size its camera has for want of its
+                               ///< own; empty: none
 };
 
 struct Capture {

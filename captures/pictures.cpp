@@ -98,7 +98,9 @@ Photograph read_picture(const CapturedView& view, const Image& mask, double scal
     if (const auto* camera = std::get_if<Camera>(&view.view.camera)) {
         require_size(p.image, camera->width, camera->height,
                      fmt::format("{} ({}{})", what, view.image, turning_text(p)),
-                     "the size of its camera");
+                     view.size_of.empty()
+                         ? "the size of its camera"
+                         : "\"w\" and \"h\" in its frame, or the size of " + view.size_of);
     }
     if (mask.width > 0) {
         require_size(mask, p.image.width, p.image.height, "the mask (" + view.mask + ")",

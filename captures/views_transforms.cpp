@@ -3,14 +3,18 @@
 #include "captures/views_transforms.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <initializer_list>
 #include <map>
 #include <numbers>
 #include <optional>
 #include <set>
+#include <string_view>
+#include <utility>
 
 #include "burnish/error.h"
 #include "captures/camera_model.h"
@@ -50,10 +54,17 @@ constexpr const char* kExtensions[] = {".png", ".PNG", ".jpg", ".JPG", ".jpeg", 
                                        ".exr", ".EXR", ".hdr", ".HDR", ".pfm",  ".PFM",
                                        ".bmp", ".BMP", ".tga", ".TGA"};
 
+bool names_format(const std::string& file) {
+    const std::string extension = std::filesystem::path(file).extension().string();
+    return std::find(std::begin(kExtensions), std::end(kExtensions), extension) !=
+           std::end(kExtensions);
+}
+
 /// With its extension, where the path has none.
 std::string with_extension(const Value& path, const std::string& file) {
     std::error_code ignored;  // reading the file says why
-    if (std::filesystem::is_regular_file(file, ignored)) return file;
+    const std::filesystem::file_type type = std::filesystem::status(file, ignored).type();
+    if (type == std::filesystem::file_type::regular) return file;
     std::vector<std::string> found;
     for (const char* extension : kExtensions) {
         const std::string name = file + extension;
@@ -66,6 +77,10 @@ std::string with_extension(const Value& path, const std::string& file) {
     }
     if (found.size() > 1)
         fail(path, fmt::format("one picture; there are {} and {}", found[0], found[1]));
+    if (found.empty() && type == std::filesystem::file_type::not_found && !names_format(file))
+        fail(path, fmt::format("a picture; there is no {}, nor one with .png, .jpg or another "
+                               "extension that is read",
+                               file));
     return found.empty() ? file : found.front();
 }
 
@@ -76,12 +91,19 @@ double focal_of_angle(const Value& angle, int pixels) {
     return 0.5 * pixels / std::tan(0.5 * radians);
 }
 
+std::optional<double> find_focal_length(const Frame& frame, const char* name, const char* angle,
+                                        int pixels) {
+    if (const auto length = frame.find(name)) {
+        if (number(*length) <= 0) fail(*length, "a focal length above 0, in pixels");
+        return number(*length);
+    }
+    if (const auto radians = frame.find(angle)) return focal_of_angle(*radians, pixels);
+    return {};
+}
+
 void set_focal_lengths(const Frame& frame, Camera& camera) {
-    std::optional<double> x = frame.find_number("fl_x"), y = frame.find_number("fl_y");
-    if (const auto angle = frame.find("camera_angle_x"); angle && !x)
-        x = focal_of_angle(*angle, camera.width);
-    if (const auto angle = frame.find("camera_angle_y"); angle && !y)
-        y = focal_of_angle(*angle, camera.height);
+    const auto x = find_focal_length(frame, "fl_x", "camera_angle_x", camera.width),
+               y = find_focal_length(frame, "fl_y", "camera_angle_y", camera.height);
     if (!x && !y)
         throw InputError(
             fmt::format("{}: {}: expected the key \"fl_x\" or \"camera_angle_x\", of "
@@ -105,16 +127,59 @@ bool is_fisheye(const Frame& frame) {
     return name == "OPENCV_FISHEYE";
 }
 
+/// Refuses what means a camera that is not read, or cuts a part out of the picture.
+void refuse_other_cameras(const Frame& frame) {
+    constexpr const char* kAround =
+        "pictures of pinhole or fisheye cameras: a panorama around the camera is not read";
+    constexpr std::pair<const char*, const char*> kRefused[] = {
+        {"latlong", kAround},
+        {"equirectangular", kAround},
+        {"orthographic", "pictures of pinhole or fisheye cameras: parallel rays are not read"},
+        {"ftheta_p0", "k1 to k4 of OPENCV_FISHEYE in the place of ftheta_p0 to ftheta_p4"},
+        {"fisheye_crop_radius",
+         "a mask_path in the place of this key, black outside of its circle"}};
+    for (const auto& [key, expected] : kRefused) {
+        const auto found = frame.find(key);
+        if (found && !found->value.is_null() && found->value != false) fail(*found, expected);
+    }
+}
+
+/// A coefficient of the lens, which may stand in an array of nerfstudio's.
+std::optional<Value> find_coefficient(const Frame& frame, const char* name) {
+    const std::string_view kOrder[] = {"k1", "k2", "k3", "k4", "p1", "p2"};
+    const auto at =
+        static_cast<std::size_t>(std::find(std::begin(kOrder), std::end(kOrder), name) - kOrder);
+    for (const Value* keys : {&frame.frame, &frame.file}) {
+        if (at < std::size(kOrder) && has(*keys, "distortion_params")) {
+            const Value all = member(*keys, "distortion_params");
+            if (!all.value.is_array() || all.value.size() != std::size(kOrder))
+                fail(all, fmt::format("an array of {}", fmt::join(kOrder, ", ")));
+            return element(all, at);
+        }
+        if (has(*keys, name)) return member(*keys, name);
+    }
+    return {};
+}
+
 /// k1 k2 k3 k4 of a fisheye, k1 k2 p1 p2 k3 of other lenses; 0 where the file gives none.
 Lens lens_of(const Frame& frame) {
-    const auto value = [&](const char* name) { return frame.find_number(name).value_or(0); };
+    const auto value = [&](const char* name) {
+        const auto found = find_coefficient(frame, name);
+        return found ? number(*found) : 0;
+    };
+    const auto require_zero = [&](std::initializer_list<const char*> names, const char* of) {
+        for (const char* name : names)
+            if (value(name) != 0) fail(*find_coefficient(frame, name), fmt::format("0 of {}", of));
+    };
+    require_zero({"k5", "k6"}, "any lens");
     Lens lens;
     if (is_fisheye(frame)) {
+        require_zero({"p1", "p2"}, "OPENCV_FISHEYE");
         lens.kind = LensKind::kFisheye;
         lens.coefficients = {value("k1"), value("k2"), value("k3"), value("k4")};
         return lens;
     }
-    if (value("k4") != 0) fail(*frame.find("k4"), "0 of a lens that is not OPENCV_FISHEYE");
+    require_zero({"k4"}, "a lens that is not OPENCV_FISHEYE");
     lens.coefficients = {value("k1"), value("k2"), value("p1"), value("p2"), value("k3")};
     if (lens != Lens{}) lens.kind = LensKind::kBrownConrady;
     return lens;
@@ -124,6 +189,7 @@ Lens lens_of(const Frame& frame) {
 /// another.
 struct Size {
     int width = 0, height = 0;
+    std::string of;  ///< the picture that has it; empty: the file says it
 };
 
 /// As the file has it; else as that of the first picture that was looked at, since those of one
@@ -131,13 +197,13 @@ struct Size {
 /// see it.
 Size size_of(const Frame& frame, const std::string& picture, Size& known) {
     const auto width = frame.find("w"), height = frame.find("h");
-    if (width && height) return {side(*width), side(*height)};
+    if (width && height) return {side(*width), side(*height), {}};
     if (width || height)
         throw InputError(fmt::format("{}: {}: expected both \"w\" and \"h\", or none of them",
                                      frame.frame.file, frame.frame.key));
     if (known.width == 0) {
         const Image image = read_image_file(picture).image;
-        known = {image.width, image.height};
+        known = {image.width, image.height, picture};
     }
     return known;
 }
@@ -214,6 +280,7 @@ std::map<std::string, Use> uses_of(const Value& file, const std::vector<std::str
 
 CapturedView view_of(const Frame& frame, const std::string& folder, Size& known) {
     const Value path = member(frame.frame, "file_path");
+    refuse_other_cameras(frame);
     CapturedView captured;
     captured.turning = Turning::kAsStored;
     captured.image = with_extension(path, picture_at(path, folder));
@@ -221,6 +288,7 @@ CapturedView view_of(const Frame& frame, const std::string& folder, Size& known)
     captured.view.name = name_of_path(text(path));
     Camera camera;
     const Size size = size_of(frame, captured.image, known);
+    captured.size_of = size.of;
     camera.width = size.width, camera.height = size.height;
     set_focal_lengths(frame, camera);
     camera.center_x = frame.find_number("cx").value_or(0.5 * camera.width);

@@ -8,6 +8,7 @@
 
 #include "burnish/error.h"
 #include "burnish/renderer.h"
+#include "captures/pictures.h"
 #include "cli/program.h"
 #include "core/random.h"
 
@@ -92,6 +93,51 @@ TEST_F(Transforms, AMaskOfTheFileIsThatOfFramesWithoutOne) {
     EXPECT_EQ(views[1].mask, (fs::path("pictures") / "b.png").string());
 }
 
+TEST_F(Transforms, CoefficientsInOneArrayAreTheSameLens) {
+    const auto camera = [&](const std::string& keys, const std::string& of_file = "") {
+        return frame_camera(read(one_frame(R"(, "w": 6, "h": 5, "fl_x": 4)" + keys, of_file))[0]);
+    };
+    const std::string array = R"("distortion_params": [0.1, -0.2, 0.03, 0, 0.01, 0.02])",
+                      keys =
+                          R"("k1": 0.1, "k2": -0.2, "k3": 0.03, "k4": 0, "p1": 0.01, "p2": 0.02)";
+    const Camera plain = camera(", " + keys);
+    EXPECT_EQ(plain.lens, (Lens{LensKind::kBrownConrady, {0.1, -0.2, 0.01, 0.02, 0.03}}));
+    EXPECT_EQ(camera(", " + array), plain);
+    EXPECT_EQ(camera("", array + ", "), plain);
+    EXPECT_EQ(camera(R"(, "k1": 7, )" + array), plain) << "the array counts before keys beside it";
+    EXPECT_EQ(camera(", " + keys, R"("distortion_params": [9, 9, 9, 9, 9, 9], )"), plain);
+    EXPECT_EQ(camera(", " + array, R"("k1": 7, )"), plain);
+    const std::string fisheye = R"(, "camera_model": "OPENCV_FISHEYE", )",
+                      round = R"("distortion_params": [0.1, -0.2, 0.03, 0.004, 0, 0])",
+                      round_keys = R"("k1": 0.1, "k2": -0.2, "k3": 0.03, "k4": 0.004)";
+    EXPECT_EQ(camera(fisheye + round).lens, (Lens{LensKind::kFisheye, {0.1, -0.2, 0.03, 0.004}}));
+    EXPECT_EQ(camera(fisheye + round), camera(fisheye + round_keys));
+}
+
+TEST_F(Transforms, APictureOfAnotherSizeIsSaidWithThatOfTheFirst) {
+    write_image(folder / "a.exr", make_image(6, 5, 3));
+    write_image(folder / "b.exr", make_image(5, 6, 3));
+    const auto views = read(R"({"fl_x": 4, "frames": [{"file_path": "a.exr", )" + kMatrix +
+                            R"(}, {"file_path": "b.exr", )" + kMatrix + "}]}");
+    EXPECT_EQ(read_picture(views[0], {}, 1, "the target").image.width, 6);
+    std::string found;
+    try {
+        read_picture(views[1], {}, 1, "the target");
+    } catch (const InputError& e) {
+        found = e.what();
+    }
+    EXPECT_TRUE(
+        contains(found, "is 5 x 6 pixels, expected \"w\" and \"h\" in its frame, or the size of " +
+                            views[0].image + ", 6 x 5"))
+        << found;
+}
+
+TEST_F(Transforms, KeysOfOtherCamerasMayBeFalse) {
+    EXPECT_EQ(complaint(one_frame(R"(, "w": 6, "h": 5, "fl_x": 5, "latlong": false)",
+                                  R"("latlong": true, "fisheye_crop_radius": null, )")),
+              "");
+}
+
 TEST_F(Transforms, PathsWithoutAnExtensionAreOfAnyFormat) {
     for (const char* name : {"x.JPEG", "y.tga", "z.jpg"}) write_text(folder / name, "");
     fs::create_hard_link(folder / "z.jpg", folder / "z.JPG");  // as if case did not matter
@@ -141,14 +187,36 @@ TEST_F(Transforms, WhatIsWrongIsSaidWithItsKey) {
         {R"({"frames": [{"file_path": "../a.png"}]})",
          "frames[0].file_path: found \"../a.png\", expected a path within the folder"},
         {R"({"frames": [{"file_path": "t"}]})", "expected one picture; there are"},
+        {R"({"frames": [{"file_path": "./u"}]})",
+         "frames[0].file_path: found \"./u\", expected a picture; there is no "},
+        {R"({"frames": [{"file_path": "./u"}]})", "u, nor one with .png, .jpg or another"},
         {one_frame(R"(, "fl_x": 5)"), "a.exr"},
         {one_frame(R"(, "w": 6)"), "frames[0]: expected both \"w\" and \"h\""},
         {one_frame(R"(, "w": 6, "h": 0)"), "frames[0].h: found 0, expected pixels, 1 to 32768"},
         {one_frame(size), "frames[0]: expected the key \"fl_x\" or \"camera_angle_x\""},
+        {one_frame(size + R"(, "fl_x": -80)"),
+         "frames[0].fl_x: found -80, expected a focal length above 0, in pixels"},
+        {one_frame(size, R"("fl_x": 5, "fl_y": 0, )"), "fl_y: found 0, expected a focal length"},
         {one_frame(size, R"("camera_angle_x": 4, )"), "camera_angle_x: found 4, expected radians"},
         {one_frame(camera + R"(, "camera_model": "EQUIRECTANGULAR")"),
          "frames[0].camera_model: found \"EQUIRECTANGULAR\", expected PINHOLE"},
         {one_frame(camera, R"("k4": 0.5, )"), "k4: found 0.5, expected 0 of a lens that is not"},
+        {one_frame(camera + R"(, "k5": 0.3)"), "frames[0].k5: found 0.3, expected 0 of any lens"},
+        {one_frame(camera, R"("k6": 0.1, )"), "k6: found 0.1, expected 0 of any lens"},
+        {one_frame(camera + R"(, "is_fisheye": true, "p2": 0.1)"),
+         "frames[0].p2: found 0.1, expected 0 of OPENCV_FISHEYE"},
+        {one_frame(camera + R"(, "distortion_params": [1, 2, 3, 4])"),
+         "frames[0].distortion_params: found [1,2,3,4], expected an array of k1, k2, k3, k4, p1"},
+        {one_frame(camera, R"("distortion_params": [0, 0, 0, 0.5, 0, 0], )"),
+         "distortion_params[3]: found 0.5, expected 0 of a lens that is not OPENCV_FISHEYE"},
+        {one_frame(camera + R"(, "latlong": true)"),
+         "frames[0].latlong: found true, expected pictures of pinhole or fisheye cameras"},
+        {one_frame(camera, R"("equirectangular": true, )"), "equirectangular: found true"},
+        {one_frame(camera, R"("orthographic": true, )"), "orthographic: found true"},
+        {one_frame(camera, R"("ftheta_p0": 0.0, )"),
+         "ftheta_p0: found 0.0, expected k1 to k4 of OPENCV_FISHEYE in the place"},
+        {one_frame(camera, R"("fisheye_crop_radius": 30, )"),
+         "fisheye_crop_radius: found 30, expected a mask_path in the place of this key"},
         {one_frame(camera + R"(, "k1": "x")"), "frames[0].k1: found \"x\", expected a number"},
         {one_frame(camera + R"(, "mask_path": "/m.png")"), "frames[0].mask_path: found"},
         {one_frame(camera, R"("test_filenames": 1, )"),
