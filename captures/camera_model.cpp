@@ -1,8 +1,12 @@
 #include "captures/camera_model.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
+#include "burnish/error.h"
 #include "core/joined.h"
 
 namespace burnish {
@@ -70,6 +74,17 @@ const CameraModel& general_model(LensKind lens) {
 
 std::size_t parameter_count(const CameraModel& model) {
     return model.focals + 2 + model.coefficients;
+}
+
+void require_camera(const CameraModel& model, std::span<const double> parameters,
+                    const std::string& place) {
+    for (std::size_t i = 0; i < parameters.size(); ++i) {
+        const double found = parameters[i];
+        if (i < model.focals ? found > 0 && std::isfinite(found) : std::isfinite(found)) continue;
+        throw InputError(fmt::format(
+            "{}: found the parameter {:g} of {}, expected {}", place, found, model.name,
+            i < model.focals ? "a focal length above 0, in pixels" : "a finite number"));
+    }
 }
 
 Camera make_camera(const CameraModel& model, int width, int height,

@@ -31,6 +31,10 @@ std::string camera_model_name(int id);
 const CameraModel& general_model(LensKind lens);
 
 std::size_t parameter_count(const CameraModel& model);
+/// Throws InputError with the place of the parameters: a focal length that is not above 0, or a
+/// number that is not finite.
+void require_camera(const CameraModel& model, std::span<const double> parameters,
+                    const std::string& place);
 /// Where the camera is, is left open. parameters: parameter_count(model) numbers.
 Camera make_camera(const CameraModel& model, int width, int height,
                    std::span<const double> parameters);

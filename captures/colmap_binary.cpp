@@ -93,6 +93,7 @@ ColmapCamera take_camera(Bytes& bytes) {
     std::vector<double> parameters;
     for (std::size_t i = 0; i < parameter_count(*model); ++i)
         parameters.push_back(bytes.take<double>("a parameter of a camera"));
+    require_camera(*model, parameters, place);
     read.camera = make_camera(*model, size[0], size[1], parameters);
     return read;
 }

@@ -108,6 +108,7 @@ ColmapCamera camera_of_line(const Line& line) {
     if (!words.rest().empty())
         refuse_line(line, words.rest(),
                     fmt::format("no more than the {} parameters of {}", parameters.size(), name));
+    require_camera(*model, parameters, line.place);
     read.camera = make_camera(*model, size[0], size[1], parameters);
     return read;
 }

@@ -14,6 +14,7 @@ namespace burnish {
 std::vector<CapturedView> read_views(const std::string& views, const std::string& images) {
     const std::filesystem::file_status status = status_of(views);
     if (std::filesystem::is_directory(status)) {
+        require_reconstruction(views);
         if (images.empty())
             throw InputError("images: expected the folder of the pictures that " + views +
                              " names");

@@ -21,20 +21,23 @@ struct Reconstruction {
     std::vector<ColmapImage> images;
 };
 
+bool is_there(const std::filesystem::path& file) {
+    std::error_code ignored;  // reading it says why
+    return std::filesystem::exists(file, ignored);
+}
+
+bool holds_binary(const std::filesystem::path& folder) {
+    return is_there(folder / "cameras.bin") && is_there(folder / "images.bin");
+}
+bool holds_text(const std::filesystem::path& folder) {
+    return is_there(folder / "cameras.txt") && is_there(folder / "images.txt");
+}
+
 Reconstruction read_reconstruction(const std::filesystem::path& folder) {
     const auto file = [&](const char* name) { return (folder / name).string(); };
-    const auto is_there = [&](const char* name) {
-        std::error_code ignored;
-        return std::filesystem::exists(folder / name, ignored);
-    };
-    if (is_there("cameras.bin") && is_there("images.bin"))
+    if (holds_binary(folder))
         return {read_cameras_binary(file("cameras.bin")), read_images_binary(file("images.bin"))};
-    if (is_there("cameras.txt") && is_there("images.txt"))
-        return {read_cameras_text(file("cameras.txt")), read_images_text(file("images.txt"))};
-    throw InputError(
-        fmt::format("{}: expected cameras.bin and images.bin, or cameras.txt and "
-                    "images.txt",
-                    folder.string()));
+    return {read_cameras_text(file("cameras.txt")), read_images_text(file("images.txt"))};
 }
 
 /// The inverse of x -> R x + t, R of the quaternion.
@@ -88,7 +91,23 @@ CapturedView view_of_image(const ColmapImage& image, const std::map<std::uint32_
 
 }  // namespace
 
+void require_reconstruction(const std::string& folder) {
+    const std::filesystem::path path = folder;
+    if (holds_binary(path) || holds_text(path)) return;
+    for (const char* name : {"transforms.json", "transforms_train.json"})
+        if (is_there(path / name))
+            throw InputError(fmt::format("{}: found the folder of a {}, expected the file: {}",
+                                         folder, name, (path / name).string()));
+    for (const char* name : {"0", "sparse", "sparse/0"})
+        if (holds_binary(path / name) || holds_text(path / name))
+            throw InputError(fmt::format("{}: found a COLMAP reconstruction in {}, expected {}",
+                                         folder, name, (path / name).string()));
+    throw InputError(fmt::format(
+        "{}: expected cameras.bin and images.bin, or cameras.txt and images.txt", folder));
+}
+
 std::vector<CapturedView> read_colmap(const std::string& folder, const std::string& images) {
+    require_reconstruction(folder);
     Reconstruction read = read_reconstruction(folder);
     const std::map<std::uint32_t, Camera> cameras = by_id(read.cameras, folder);
     if (read.images.empty())

@@ -8,6 +8,9 @@
 
 namespace burnish {
 
+/// Throws InputError where a folder holds no reconstruction: what is there in its place.
+void require_reconstruction(const std::string& folder);
+
 /// folder: with cameras.bin and images.bin, or else cameras.txt and images.txt. images: the folder
 /// that names of images are relative to. Views in the order of these names; pictures are not read.
 /// Throws InputError: file and byte or line, what was found and what was expected.

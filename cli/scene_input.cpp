@@ -6,6 +6,7 @@
 
 #include "burnish/error.h"
 #include "captures/views.h"
+#include "captures/views_colmap.h"
 #include "cli/commands.h"
 #include "cli/console.h"
 #include "cli/option_text.h"
@@ -72,8 +73,10 @@ void add_views_options(CLI::App& app, std::string& views, std::string& images) {
 
 std::vector<CapturedView> read_named_views(const std::string& views, const std::string& images) {
     std::error_code ignored;  // reading them says why
-    if (images.empty() && std::filesystem::is_directory(views, ignored))
+    if (images.empty() && std::filesystem::is_directory(views, ignored)) {
+        require_reconstruction(views);
         throw UsageError("--images: expected the folder of the pictures that " + views + " names");
+    }
     return read_views(views, images);
 }
 

@@ -83,6 +83,28 @@ TEST_F(Colmap, ABinaryOneCountsBeforeText) {
         contains(complaint(), "sparse: expected cameras.bin and images.bin, or cameras.txt"));
 }
 
+TEST_F(Colmap, AFolderWithoutOneIsSaidWithWhatItHolds) {
+    write_scene();
+    copy("text");
+    const auto expect = [&](const std::string& views, const std::string& message) {
+        for (const char* images : {"", " --images photos"})
+            expect_refused("info scene.xml --views " + views + images, 65, message);
+    };
+    expect(".", ".: found a COLMAP reconstruction in sparse, expected ./sparse");
+    fs::create_directories(folder / "project/sparse");
+    fs::rename(model, folder / "project/sparse/0");
+    expect("project/sparse",
+           "project/sparse: found a COLMAP reconstruction in 0, expected project/sparse/0");
+    expect("project",
+           "project: found a COLMAP reconstruction in sparse/0, expected project/sparse/0");
+    write_text(folder / "project/transforms.json", "{}");
+    expect("project",
+           "project: found the folder of a transforms.json, expected the file: "
+           "project/transforms.json");
+    fs::create_directory(folder / "empty");
+    expect("empty", "empty: expected cameras.bin and images.bin, or cameras.txt and images.txt");
+}
+
 TEST_F(Colmap, TextMayBeginWithAByteOrderMark) {
     const std::string mark = "\xEF\xBB\xBF";
     fs::create_directories(model);
@@ -106,6 +128,11 @@ TEST_F(Colmap, WhatIsWrongInTextIsSaidWithItsLine) {
         {"1 PINHOLE 4 4.5 1 2 3 4", image, "found a side of 4.5 pixels"},
         {"1 PINHOLE 4 4 1 2 3", image, "cameras.txt:1: found \"1 PINHOLE 4 4 1 2 3\", expected 4"},
         {"1 PINHOLE 4 4 1 2 3 4 5", image, "found \"5\", expected no more than the 4 parameters"},
+        {"1 PINHOLE 4 4 0 2 3 4", image,
+         "cameras.txt:1: found the parameter 0 of PINHOLE, expected a focal length above 0"},
+        {"1 PINHOLE 4 4 1 inf 3 4", image, "found the parameter inf of PINHOLE, expected a focal"},
+        {"1 RADIAL 4 4 1 2 3 nan 0", image,
+         "cameras.txt:1: found the parameter nan of RADIAL, expected a finite number"},
         {camera + camera, image, "there are two cameras 1"},
         {camera, "1 1 0 0 0 0 0 0 2 a.png",
          "images.txt:1: found the camera 2, expected one of the 1"},
@@ -146,6 +173,8 @@ TEST_F(Colmap, WhatIsWrongInBinaryIsSaidWithItsByte) {
                          "cameras.bin, byte 8: found the camera model FOV, expected one of"));
     EXPECT_TRUE(contains(changed("cameras.bin", 12, "\x63"), "found the camera model 99"));
     EXPECT_TRUE(contains(changed("cameras.bin", 16, many), "pixels, expected 1 to 32768"));
+    EXPECT_TRUE(contains(changed("cameras.bin", 32, std::string(8, '\0')),
+                         "cameras.bin, byte 8: found the parameter 0 of "));
     EXPECT_TRUE(
         contains(changed("images.bin", 0, many), "images.bin, byte 0: found the number of"));
     EXPECT_TRUE(contains(changed("images.bin", 8 + 64 + 10, many), "found the number of points"));
