@@ -3,14 +3,17 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <filesystem>
 #include <mutex>
 #include <set>
 #include <utility>
+#include <variant>
 
 #include "burnish/error.h"
 #include "captures/pictures.h"
 #include "cli/console.h"
 #include "cli/progress.h"
+#include "core/lower_case.h"
 #include "core/parallel.h"
 #include "core/variant.h"
 #include "optimize/view_loss.h"
@@ -205,6 +208,42 @@ std::string warning_of(const MaskFile& mask) {
         mask.max_weight);
 }
 
+/// Of a name as "GIMP built-in Linear sRGB" or "sRGB-elle-V2-g10.icc".
+bool is_linear(const std::string& profile) {
+    const std::string name = lower_case(profile);
+    return name.find("linear") != std::string::npos || name.find("-g10") != std::string::npos;
+}
+
+/// What it has that is not read; empty: nothing that says other colours than were decoded.
+std::string warning_of_encoding(const Photograph& p) {
+    const bool is_srgb = p.profile.find("sRGB") != std::string::npos;
+    if (!p.profile.empty() && !is_srgb)
+        return fmt::format("the colour profile \"{}\", which is not read: convert it to sRGB",
+                           p.profile);
+    if (!std::holds_alternative<SrgbEncoding>(p.encoding)) return {};
+    constexpr const char* kDo = "which is not read: give \"encoding\": \"linear\" in a capture";
+    if (is_srgb && is_linear(p.profile))
+        return fmt::format("the linear profile \"{}\", {}", p.profile, kDo);
+    if (p.says_linear) return std::string("the gamma 1 of linear numbers, ") + kDo;
+    return {};
+}
+
+/// Of a mask of instant-ngp that lies beside a picture without another; empty: there is none.
+std::string warning_of_dynamic_masks(const std::vector<CapturedView>& views) {
+    for (const CapturedView& view : views) {
+        if (view.image.empty() || !view.mask.empty()) continue;
+        const std::filesystem::path image = view.image;
+        const auto file = image.parent_path() / ("dynamic_mask_" + image.stem().string() + ".png");
+        std::error_code ignored;
+        if (std::filesystem::exists(file, ignored))
+            return fmt::format(
+                "masks of instant-ngp, as {}, are not read: invert them, since what is white "
+                "counts, and name each as the mask of its view",
+                file.string());
+    }
+    return {};
+}
+
 }  // namespace
 
 std::vector<std::string> picture_warnings(const std::vector<CapturedView>& views,
@@ -219,13 +258,13 @@ std::vector<std::string> picture_warnings(const std::vector<CapturedView>& views
             warnings.push_back(fmt::format(
                 "{}: {} pixel{} values below 0", name_and_file(views[i], i),
                 count_text(p.negative_pixels), p.negative_pixels == 1 ? " has" : "s have"));
-        if (!p.profile.empty() && p.profile.find("sRGB") == std::string::npos)
-            warnings.push_back(fmt::format(
-                "{} has the colour profile \"{}\", which is not read: convert it to sRGB",
-                name_and_file(views[i], i), p.profile));
+        if (const std::string text = warning_of_encoding(p); !text.empty())
+            warnings.push_back(name_and_file(views[i], i) + " has " + text);
         if (p.is_gray)
             warnings.push_back(name_and_file(views[i], i) + " is grey: R = G = B everywhere");
     }
+    if (std::string text = warning_of_dynamic_masks(views); !text.empty())
+        warnings.push_back(std::move(text));
     const bool all_fitted = std::all_of(views.begin(), views.end(), [](const CapturedView& v) {
         return v.view.held_out || fits_exposure(v.view.exposure);
     });

@@ -46,6 +46,8 @@ struct Photograph {
     int orientation = 1;                  ///< EXIF's, 1 to 8, of the file
     Turning turning = Turning::kUpright;  ///< whether `image` has been turned by it
     std::string profile = {};             ///< name of the file's ICC profile, which is not read
+    bool says_linear = false;             ///< a PNG's gamma, which is not read, is that of linear
+                                          ///< numbers, and it has no profile
     bool is_gray = false;                 ///< R = G = B everywhere
     bool has_alpha = false;               ///< the file has
     std::size_t clipped_pixels = 0;       ///< of the file, with a mask above 0

@@ -62,12 +62,13 @@ enum class PixelEncoding {
 struct ImageFile {
     Image image;  ///< [height, width, 1 (gray) or 3 (RGB)]; colours are not multiplied with alpha
     PixelEncoding encoding = PixelEncoding::kFloat;
-    const char* type = "";  ///< "PNG"
-    int bits = 32;          ///< of a stored number
-    Image alpha = {};       ///< [height, width, 1]; width 0: none is stored
-    int orientation = 1;    ///< EXIF's, 1 to 8: how `oriented` puts it upright
+    const char* type = "";     ///< "PNG"
+    int bits = 32;             ///< of a stored number
+    Image alpha = {};          ///< [height, width, 1]; width 0: none is stored
+    int orientation = 1;       ///< EXIF's, 1 to 8: how `oriented` puts it upright
     std::string profile = {};  ///< name of its ICC profile, which is not read
-    bool overscan = false;  ///< of an EXR: its data window is not its display window
+    bool says_linear = false;  ///< a PNG: its numbers are linear, by its gamma; it has no profile
+    bool overscan = false;     ///< of an EXR: its data window is not its display window
 };
 
 /// Throws InputError, which names the file, where it holds more or less than the picture.

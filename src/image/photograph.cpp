@@ -78,7 +78,8 @@ Photograph read_photograph(const std::string& file, const Encoding& encoding, Tu
     require_finite(read.image, file);
     require_finite(read.alpha, file + ", alpha");
     Photograph p;
-    p.type = read.type, p.bits = read.bits, p.profile = read.profile;
+    p.type = read.type, p.bits = read.bits;
+    p.profile = read.profile, p.says_linear = read.says_linear;
     p.orientation = read.orientation, p.turning = turning;
     if (turning == Turning::kAsStored) read.orientation = 1;
     p.is_gray = is_gray(read.image), p.has_alpha = read.alpha.width > 0;

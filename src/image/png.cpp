@@ -4,6 +4,7 @@
 #include <png.h>
 
 #include <array>
+#include <cmath>
 #include <csetjmp>
 #include <cstdint>
 #include <cstring>
@@ -93,6 +94,16 @@ std::string_view profile_of(const PngReader& reader) {
     return {reinterpret_cast<const char*>(profile), size};
 }
 
+/// Whether the file's gamma is that of linear numbers. A profile, or the word that they are sRGB,
+/// counts before it.
+bool says_linear(const PngReader& reader) {
+    constexpr double kTolerance = 0.05;
+    double exponent = 0;  // of the encoding
+    if (png_get_valid(reader.png, reader.info, PNG_INFO_sRGB | PNG_INFO_iCCP) != 0) return false;
+    return png_get_gAMA(reader.png, reader.info, &exponent) != 0 &&
+           std::abs(exponent - 1) <= kTolerance;
+}
+
 bool read_rows(const PngReader& reader, png_bytepp rows) {
     if (setjmp(png_jmpbuf(reader.png))) return false;
     png_read_image(reader.png, rows);
@@ -147,6 +158,7 @@ ImageFile formats::decode_png(const std::string& name, std::string_view bytes) {
                    "PNG",
                    header.stored_bits};
     file.profile = profile_name(profile_of(reader));
+    file.says_linear = says_linear(reader);
     take_alpha(file);
     return file;
 }

@@ -1,4 +1,5 @@
 // Photographs on the command line: encodings, exposures, sizes, and what is said of them.
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -276,6 +277,75 @@ TEST_F(PhotographsTest, WhatIsNotReadOfAFileIsSaid) {
     EXPECT_EQ(picture["orientation"], 6);
     EXPECT_EQ(picture["turned"], false);
     EXPECT_EQ(picture["profile"], "Display P3");
+}
+
+TEST_F(PhotographsTest, LinearPicturesThatAreDecodedAsSrgbAreSaid) {
+    const std::string corpus = BURNISH_TEST_DATA "/../fuzz/corpus/";
+    const auto utf16 = [](const std::string& text) {
+        std::string units;
+        for (const char c : text) units += {'\0', c};
+        return units;
+    };
+    std::string jpeg = read_text(corpus + "jpeg/profile.jpg");
+    const std::string display = utf16("Display P3");
+    ASSERT_TRUE(contains(jpeg, display));
+    write_text(folder / "p0.jpg",
+               jpeg.replace(jpeg.find(display), display.size(), utf16("sRGB-a-g10")));
+    std::string png = read_text(corpus + "png/rgb.png");
+    constexpr std::size_t kFirst = 33;  // bytes before the chunks that follow IHDR
+    write_text(folder / "p1.png",
+               png.insert(kFirst, "\0\0\0\4gAMA\0\1\x86\xa0\x31\xe8\x96\x5f", 16));
+    const auto warnings = [&](const std::string& keys) {
+        const auto view = [&](const char* file, int width, int height) {
+            return fmt::format(
+                R"({{"name": "{0}", "image": "{0}", "orientation": "stored", "exposure": 1{1},)"
+                R"("camera": {{"model": "SIMPLE_PINHOLE", "width": {2}, "height": {3},)"
+                R"("params": [{2}, {4}, {5}],)"
+                R"("camera_to_world": [[1,0,0,0],[0,-1,0,0],[0,0,-1,2.5],[0,0,0,1]]}}}})",
+                file, keys, width, height, 0.5 * width, 0.5 * height);
+        };
+        write_text(folder / "capture.json", R"({"version": 1, "scene": "scene.xml", "views": [)" +
+                                                view("p0.jpg", 28, 20) + ", " +
+                                                view("p1.png", 7, 5) + "]}");
+        const Outcome outcome =
+            run("optimize capture.json --parameter base_color --iterations 1 --init 0.5 "
+                "--evaluation-spp 2 --force -o out");
+        EXPECT_EQ(outcome.code, 0) << outcome.err;
+        return summary_of("out")["picture_warnings"];
+    };
+    const std::string is_not_read =
+        ", which is not read: give \"encoding\": \"linear\" in a capture";
+    EXPECT_EQ(warnings(""),
+              json({"p0.jpg (p0.jpg) has the linear profile \"sRGB-a-g10\"" + is_not_read,
+                    "p1.png (p1.png) has the gamma 1 of linear numbers" + is_not_read}));
+    EXPECT_EQ(warnings(R"(, "encoding": "linear")"), json::array());
+}
+
+/// They leave out what is white.
+TEST_F(PhotographsTest, MasksOfInstantNgpAreSaidOnce) {
+    for (const char* name : {"p0.png", "p1.png", "dynamic_mask_p0.png", "dynamic_mask_p1.png"})
+        write_image(folder / name, make_image(24, 24, 3, 0.25f));
+    const auto warnings = [&](const std::string& keys) {
+        const std::string matrix =
+            R"("transform_matrix": [[1,0,0,0],[0,1,0,0],[0,0,1,3],[0,0,0,1]]})";
+        write_text(folder / "transforms.json",
+                   R"({"camera_angle_x": 0.8, )" + keys + R"("frames": [{"file_path": "p0.png", )" +
+                       matrix + R"(, {"file_path": "p1.png", )" + matrix + "]}");
+        const Outcome outcome =
+            run("optimize scene.xml --views transforms.json --parameter base_color --iterations 1 "
+                "--init 0.5 --evaluation-spp 2 --force -o out");
+        EXPECT_EQ(outcome.code, 0) << outcome.err;
+        std::vector<std::string> found;
+        for (const std::string text : summary_of("out")["picture_warnings"])
+            if (contains(text, "instant-ngp")) found.push_back(text);
+        return found;
+    };
+    EXPECT_EQ(warnings(""),
+              std::vector<std::string>{
+                  "masks of instant-ngp, as dynamic_mask_p0.png, are not read: invert them, since "
+                  "what is white counts, and name each as the mask of its view"});
+    write_image(folder / "mask.png", make_image(24, 24, 1, 1.0f));
+    EXPECT_TRUE(warnings(R"("mask_path": "mask.png", )").empty());
 }
 
 TEST_F(PhotographsTest, ASingleTargetHasAnExposureToo) {

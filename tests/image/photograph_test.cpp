@@ -258,6 +258,23 @@ TEST_F(Photographs, ProfilesAreNamed) {
     EXPECT_EQ(read_photograph(write("a.png", make_png({}))).profile, "");
 }
 
+TEST_F(Photographs, AGammaOfOneSaysThatNumbersAreLinear) {
+    const auto says_linear = [&](double gamma, const std::string& profile = "") {
+        PngLayout png;
+        png.gamma = gamma, png.profile = profile;
+        const Photograph read = read_photograph(write("a.png", make_png(png)));
+        EXPECT_EQ(read.encoding, Encoding{SrgbEncoding{}});
+        return read.says_linear;
+    };
+    EXPECT_TRUE(says_linear(1));
+    EXPECT_TRUE(says_linear(0.97));
+    EXPECT_FALSE(says_linear(0));
+    EXPECT_FALSE(says_linear(1 / 2.2));
+    EXPECT_FALSE(says_linear(1, make_profile("Display P3", 4)));
+    write_image(folder / "b.png", make_image(3, 2, 3, 0.5f));
+    EXPECT_FALSE(read_photograph((folder / "b.png").string()).says_linear) << "it says sRGB";
+}
+
 TEST_F(Photographs, ClippedPixelsDoNotCount) {
     Image image = smooth_image(12, 8, 3);
     for (float& v : image.values) v *= 0.8f;

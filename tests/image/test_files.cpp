@@ -126,6 +126,7 @@ std::string make_png(const PngLayout& layout) {
         png_set_iCCP(png, info, "ICC profile", PNG_COMPRESSION_TYPE_BASE,
                      reinterpret_cast<png_const_bytep>(layout.profile.data()),
                      static_cast<png_uint_32>(layout.profile.size()));
+    if (layout.gamma > 0) png_set_gAMA(png, info, layout.gamma);
     png_write_info(png, info);
     std::vector<std::vector<std::uint8_t>> rows;
     std::vector<png_bytep> pointers;
