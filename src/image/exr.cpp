@@ -75,10 +75,12 @@ Picture pick_channels(const std::string& name, const Imf::ChannelList& channels)
     const std::map<std::string, Layer> layers = layers_of(channels);
     Picture only;
     std::size_t count = 0;
+    bool any_colors = false;
     std::string all;
     for (const auto& [layer_name, layer] : layers) {
         Picture picture = picture_of(layer);
         if (!picture.colors.empty() && (layer_name.empty() || layers.size() == 1)) return picture;
+        any_colors |= !picture.colors.empty();
         for (const auto& [part, channel] : layer) {
             all += (all.empty() ? "" : ", ") + channel;
             if (part != "a") only = {{channel}, picture.alpha, false}, ++count;
@@ -87,9 +89,12 @@ Picture pick_channels(const std::string& name, const Imf::ChannelList& channels)
     if (count == 0 && layers.size() == 1 && layers.begin()->second.size() == 1)  // alpha alone
         only = {{layers.begin()->second.at("a")}, "", false}, count = 1;
     if (count != 1)
-        formats::refuse(name, "EXR",
-                        "found the channels " + all +
-                            ", expected R, G, B or X, Y, Z or Y of one layer or a single channel");
+        formats::refuse(
+            name, "EXR",
+            "found the channels " + all + ", expected " +
+                (any_colors ? "one layer, or R, G, B without a layer's name (in Blender: OpenEXR, "
+                              "not OpenEXR MultiLayer)"
+                            : "R, G, B or X, Y, Z or Y of one layer or a single channel"));
     return only;
 }
 

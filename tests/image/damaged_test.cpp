@@ -125,7 +125,8 @@ TEST_F(DamagedImages, MessagesNameTheFileAndTheFault) {
     make_exr(folder / "sample.exr", smooth_image(4, 4, 3),
              {3, false, 0, 0, false, 1, {"L.R", "L.G", "L.B", "M.R", "M.G", "M.B"}});
     expect(read_bytes(folder / "sample.exr"),
-           "not supported: found the channels L.B, L.G, L.R, M.B, M.G, M.R, expected");
+           "not supported: found the channels L.B, L.G, L.R, M.B, M.G, M.R, expected one layer, or "
+           "R, G, B without a layer's name (in Blender: OpenEXR, not OpenEXR MultiLayer)");
     EXPECT_THROW(read_image_file(folder / "absent.png"), InputError);
     EXPECT_THROW(read_image_file(folder), InputError);
 }
