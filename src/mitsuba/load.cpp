@@ -4,8 +4,11 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <map>
 #include <optional>
+#include <ranges>
 #include <set>
+#include <string_view>
 #include <utility>
 
 #include "burnish/error.h"
@@ -33,11 +36,29 @@ void leave_out(Loader& loader, const Unsupported& error, const std::string& what
 
 namespace {
 
+/// As in Mitsuba, where children of the scene are its properties: of a name the last one counts,
+/// whatever it is. What has an id can still be referred to.
+void find_replaced(Loader& loader) {
+    static const std::set<std::string> kSeen{"shape", "emitter", "sensor", "integrator"};
+    std::map<std::string_view, const Node*> last;
+    for (const Node& node : loader.document.root.children | std::views::reverse) {
+        const std::string& name = attribute(node, "name");
+        if (name.empty() || node.tag == "ref") continue;
+        const auto [later, is_last] = last.emplace(name, &node);
+        if (is_last || !kSeen.count(node.tag)) continue;
+        loader.replaced.insert(&node);
+        log_warning(loader, node.place,
+                    fmt::format("the {} named \"{}\" is left out: the element at {} has the same "
+                                "name, and of a name the last one counts",
+                                node.tag, name, place_text(later->second->place)));
+    }
+}
+
 /// The first element of a tag; a note where there are more.
 const Node* first_of(Loader& loader, const char* tag) {
     const Node* first = nullptr;
     for (const Node& node : loader.document.root.children) {
-        if (node.tag != tag) continue;
+        if (node.tag != tag || loader.replaced.contains(&node)) continue;
         if (first)
             note(loader, node.place,
                  fmt::format("the scene has a second {}: the first is taken", tag));
@@ -91,15 +112,16 @@ void load_objects(Loader& loader) {
     find_emitters_of_shapes(loader.document, loader.document.root, owned);
     int materials = 0;
     for (const Node& node : loader.document.root.children)
-        read_or_leave_out(loader, "the scene goes on without it",
-                          [&] { load_object(loader, node, owned, materials); });
+        if (!loader.replaced.contains(&node))
+            read_or_leave_out(loader, "the scene goes on without it",
+                              [&] { load_object(loader, node, owned, materials); });
 }
 
 /// The first sensor must be one that can be read; of the others those that can.
 void load_sensors(Loader& loader) {
     Scene& scene = loader.result.scene;
     for (const Node& node : loader.document.root.children) {
-        if (node.tag != "sensor") continue;
+        if (node.tag != "sensor" || loader.replaced.contains(&node)) continue;
         const std::size_t number = scene.sensors.size();
         try {
             scene.sensors.push_back(read_sensor(loader, node, number));
@@ -269,6 +291,7 @@ LoadedScene load_scene(const std::filesystem::path& file, const LoadOptions& opt
     loader.options = options;
     loader.document = parse_document(file, options.definitions);
     loader.result.notes = loader.document.notes;
+    find_replaced(loader);
     load_integrator_of_scene(loader);
     load_sensors(loader);
     load_objects(loader);

@@ -74,6 +74,42 @@ TEST(Language, ForwardReferencesAliasesPathsAndIncludes) {
     EXPECT_EQ(loaded.scene.materials.size(), 1u);
 }
 
+/// As in Mitsuba 3.9.1.
+TEST(Language, OfANameTheLastElementOfTheSceneCounts) {
+    const TemporaryFolder folder;
+    const LoadedScene twice =
+        load_text(folder, kLight +
+                              "\n<shape type='sphere' id='a' name='Cube'/>\n<shape type='disk' "
+                              "id='b' name='Cube'/><shape type='sphere' id='c'/>");
+    ASSERT_EQ(twice.scene.shapes.size(), 2u);
+    EXPECT_EQ(twice.scene.shapes[0].id, "b");
+    EXPECT_EQ(twice.scene.shapes[1].id, "c");
+    ASSERT_EQ(twice.warnings.size(), 1u);
+    EXPECT_TRUE(mentions(twice.warnings, "scene.xml:3:1: the shape named \"Cube\" is left out: "));
+    EXPECT_TRUE(mentions(twice.warnings, "scene.xml:4:1 has the same name"));
+
+    const std::string sphere = "<shape type='sphere' id='s'/>",
+                      cameras =
+                          "<sensor type='perspective' id='c' name='k'/>"
+                          "<sensor type='perspective' id='d' name='k'/>";
+    const LoadedScene seen = load_text(
+        folder, "<emitter type='constant'/><integrator type='direct'/>" + sphere + cameras);
+    ASSERT_EQ(seen.scene.sensors.size(), 1u);
+    EXPECT_EQ(seen.scene.sensors[0].id, "d");
+
+    const LoadedScene kinds = load_text(
+        folder, kLight + sphere + "<shape type='disk' name='x'/><emitter type='point' name='x'/>");
+    EXPECT_EQ(kinds.scene.shapes.size(), 1u);
+    EXPECT_EQ(kinds.scene.emitters.size(), 2u);
+
+    const LoadedScene referred =
+        load_text(folder, kLight +
+                              "<bsdf type='diffuse' id='m' name='x'/>"
+                              "<shape type='sphere' name='x'><ref id='m'/></shape>");
+    EXPECT_EQ(referred.scene.shapes.size(), 1u);
+    EXPECT_TRUE(referred.warnings.empty()) << "a bsdf is where it is referred to";
+}
+
 TEST(Language, UnknownParametersAreOneWarning) {
     const TemporaryFolder folder;
     const LoadedScene loaded =
