@@ -32,6 +32,8 @@ void run(const NewOptions& options) {
                          report.charts == 1 ? "chart" : "charts", 100 * report.used_share));
     for (const std::string& text : report.warnings)
         log_warning(fmt::format("{}: {}", scene.mesh.string(), text));
+    for (const std::string& text : report.camera_warnings)
+        log_warning(fmt::format("{}: {}", options.views, text));
     if (scene.environment.empty())
         log_info("note: no --environment: light of radiance 1 comes from everywhere");
     log_info(fmt::format("look at it:       burnish render {} -o look.png", shell_word(file)));

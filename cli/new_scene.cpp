@@ -270,8 +270,7 @@ NewSceneReport write_new_scene(const NewScene& scene, const fs::path& folder) {
     NewSceneReport report{"mat-" + name, check.triangles, count_charts(loaded.scene),
                           check.used_share, std::move(file.notes)};
     for (std::string& text : complaints(check)) report.warnings.push_back(std::move(text));
-    for (std::string& text : complaints_of_cameras(scene, check))
-        report.warnings.push_back(std::move(text));
+    report.camera_warnings = complaints_of_cameras(scene, check);
     const std::string unfinished = output.unfinished.string();
     for (std::string text : loaded.warnings) {
         if (text.starts_with(unfinished))  // where the file will lie

@@ -26,6 +26,7 @@ struct NewSceneReport {
     std::size_t triangles = 0, charts = 0;
     double used_share = 0;              ///< of the texels that the mesh reads
     std::vector<std::string> warnings;  ///< what is wrong with the mesh, one sentence each
+    std::vector<std::string> camera_warnings = {};  ///< the same of the cameras
 };
 
 /// Writes scene.xml, meshes/, textures/ and environment/ to a folder that does not exist or is

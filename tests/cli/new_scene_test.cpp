@@ -634,8 +634,9 @@ TEST_F(NewSceneTest, SaysWhereMeshAndCamerasHaveOtherUnits) {
     const std::string text = kObj, rest = text.substr(text.find("vt"));
     const std::tuple<const char*, std::string, const char*> cases[] = {
         {"around", "v -9 -9 -9\nv 9 -9 -9\nv 9 9 9\nv -9 9 9\n" + rest,
-         "1 of 1 cameras lie within the box of the mesh"},
-        {"tiny", obj_of_size(0.01), "1 of 1 cameras see the mesh smaller than 2 %"}};
+         "transforms.json: 1 of 1 cameras lie within the box of the mesh"},
+        {"tiny", obj_of_size(0.01),
+         "transforms.json: 1 of 1 cameras see the mesh smaller than 2 %"}};
     for (const auto& [name, mesh, complaint] : cases) {
         write_text(folder / "unit.obj", mesh);
         const Outcome made =
