@@ -19,8 +19,8 @@ struct CapturedView {
     std::string mask;                     ///< file; empty: all ones
     Encoding encoding = {};               ///< of the image's file
     Turning turning = Turning::kUpright;  ///< of the image and the mask
-    std::string size_of = {};  ///< another view's image, whose size its camera has for want of its
-                               ///< own; empty: none
+    std::string size_of = {};  ///< image whose size its camera has, that of the first view without
+                               ///< a size; empty: the camera has one of its own
 };
 
 struct Capture {

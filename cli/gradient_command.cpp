@@ -5,8 +5,6 @@
 
 #include <fmt/format.h>
 
-#include <filesystem>
-
 #include "burnish/error.h"
 #include "cli/commands.h"
 #include "cli/console.h"

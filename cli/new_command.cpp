@@ -27,9 +27,9 @@ void run(const NewOptions& options) {
             scene.cameras.push_back(std::get<Camera>(v.view.camera));
     const NewSceneReport report = write_new_scene(scene, options.output);
     const std::string file = (std::filesystem::path(options.output) / "scene.xml").string();
-    log_info(fmt::format("{}: {} triangles in {} {}, {:.0f} % of the texture is used", file,
-                         count_text(report.triangles), count_text(report.charts),
-                         report.charts == 1 ? "chart" : "charts", 100 * report.used_share));
+    log_info(fmt::format("{}: {} in {}, {:.0f} % of the texture is used", file,
+                         count_text(report.triangles, "triangle"),
+                         count_text(report.charts, "chart"), 100 * report.used_share));
     for (const std::string& text : report.warnings)
         log_warning(fmt::format("{}: {}", scene.mesh.string(), text));
     for (const std::string& text : report.camera_warnings)

@@ -191,12 +191,13 @@ std::vector<std::pair<std::string, std::string>> settings_text(const CommandLine
         {"samples per pixel that evaluate a run", fmt::format("{}", r.evaluation_samples)},
         {"iterations before a derivative is evaluated", fmt::format("{}", r.iterations)},
         {"budget of an optimisation run",
-         fmt::format(
-             "{} iteration{}, {:g} s of derivatives and {:g} s{}", r.budget.iterations,
-             r.budget.iterations == 1 ? "" : "s", r.budget.derivative_seconds, r.budget.seconds,
-             has_long(r.budget) ? fmt::format("; {} iterations of mc and of pgris with replay",
-                                              r.budget.long_iterations)
-                                : "")},
+         fmt::format("{}, {:g} s of derivatives and {:g} s{}",
+                     count_text(static_cast<std::size_t>(r.budget.iterations), "iteration"),
+                     r.budget.derivative_seconds, r.budget.seconds,
+                     has_long(r.budget)
+                         ? fmt::format("; {} iterations of mc and of pgris with replay",
+                                       r.budget.long_iterations)
+                         : "")},
         {"runs with seeds of their own behind an interval",
          r.runs == 1 ? interval_text(r.runs) : fmt::format("{}", r.runs)},
         {"seconds of a run over Adam's decay rates", fmt::format("{:g}", r.sweep_seconds)},

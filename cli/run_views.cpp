@@ -1,7 +1,6 @@
 #include "cli/run_views.h"
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <algorithm>
 

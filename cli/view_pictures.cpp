@@ -211,7 +211,8 @@ std::string warning_of(const MaskFile& mask) {
 /// Of a name as "GIMP built-in Linear sRGB" or "sRGB-elle-V2-g10.icc".
 bool is_linear(const std::string& profile) {
     const std::string name = lower_case(profile);
-    return name.find("linear") != std::string::npos || name.find("-g10") != std::string::npos;
+    const auto has = [&](const char* part) { return name.find(part) != std::string::npos; };
+    return (has("linear") && !has("nonlinear") && !has("non-linear")) || has("-g10");
 }
 
 /// What it has that is not read; empty: nothing that says other colours than were decoded.

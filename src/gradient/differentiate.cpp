@@ -175,7 +175,7 @@ struct Weights {
     std::optional<Rgbf> target;  ///< the same of light without color; none: as the derivative
 };
 
-/// q of a texel that is read as a number.
+/// q of a texel that is read as a number. kIntegrand: all channels of the texel have its sign.
 float target_value(TargetFunction target, const InputGradient& d) {
     return target == TargetFunction::kLuminance ? d.luminance : d.g;
 }

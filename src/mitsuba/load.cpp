@@ -6,7 +6,6 @@
 #include <cstddef>
 #include <map>
 #include <optional>
-#include <ranges>
 #include <set>
 #include <string_view>
 #include <utility>
@@ -40,12 +39,15 @@ namespace {
 /// whatever it is. What has an id can still be referred to.
 void find_replaced(Loader& loader) {
     static const std::set<std::string> kSeen{"shape", "emitter", "sensor", "integrator"};
+    const std::vector<Node>& children = loader.document.root.children;
     std::map<std::string_view, const Node*> last;
-    for (const Node& node : loader.document.root.children | std::views::reverse) {
+    for (const Node& node : children)
+        if (const std::string& name = attribute(node, "name"); !name.empty() && node.tag != "ref")
+            last[name] = &node;
+    for (const Node& node : children) {
         const std::string& name = attribute(node, "name");
-        if (name.empty() || node.tag == "ref") continue;
-        const auto [later, is_last] = last.emplace(name, &node);
-        if (is_last || !kSeen.count(node.tag)) continue;
+        const auto later = last.find(name);
+        if (later == last.end() || later->second == &node || !kSeen.count(node.tag)) continue;
         loader.replaced.insert(&node);
         log_warning(loader, node.place,
                     fmt::format("the {} named \"{}\" is left out: the element at {} has the same "

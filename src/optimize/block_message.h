@@ -32,7 +32,8 @@ inline void put_blocks(const std::vector<const float*>& arrays, const DirtyBlock
     put(message, ~std::uint64_t{0});
 }
 
-/// Reads what put and put_blocks wrote. Throws Error where a message is another one.
+/// Reads what put and put_blocks wrote. Throws Error where a message is too short, or its blocks
+/// lie outside of their range.
 class MessageReader {
   public:
     explicit MessageReader(const std::string& bytes) : bytes_(bytes) {}
@@ -57,6 +58,7 @@ class MessageReader {
             mark_dirty(dirty, begin, end);
         }
     }
+    /// Throws Error where there is more.
     void require_end() const {
         if (!at_end())
             throw Error(fmt::format("an exchange gave a message of {} bytes, expected {}",

@@ -93,13 +93,14 @@ void get_node(const Ranks& ranks, const GradientShapes& shapes, MessageReader& m
     }
 }
 
-/// Throws Error where they are not nodes of one tree, in order, or none.
+/// Throws Error where the nodes overlap, are out of order or do not fit into one tree, or where
+/// there is none. That no band is missing is not checked.
 void require_nodes(const std::vector<ViewSumNode>& nodes) {
-    constexpr std::size_t kMost = std::size_t{1} << 48;  // more leaves than any batch has
+    constexpr std::size_t kMaxBands = std::size_t{1} << 48;  // more than any batch has
     std::size_t end = 0;
     for (const ViewSumNode& n : nodes) {
-        if (n.begin < end || n.begin > kMost || n.size > kMost || !std::has_single_bit(n.size) ||
-            n.begin % n.size != 0)
+        if (n.begin < end || n.begin > kMaxBands || n.size > kMaxBands ||
+            !std::has_single_bit(n.size) || n.begin % n.size != 0)
             throw Error(fmt::format(
                 "an exchange gave a sum over {} bands from {} on, expected each band once", n.size,
                 n.begin));

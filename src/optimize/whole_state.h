@@ -25,8 +25,8 @@ struct WholeState {
 };
 
 /// While the first process writes, the others give what it asks for: all call it at the same time,
-/// and it returns once the first one has. write: called by the first one alone. What it throws ends
-/// all: see throw_from_first.
+/// and it returns once the first one has. write: called by the first one alone. What it throws is
+/// thrown on all: see throw_from_first. FailedElsewhere comes to each from its own exchange.
 void write_whole(const WholeState& state, const std::function<void()>& write);
 
 /// Within write_whole.

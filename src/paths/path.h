@@ -18,9 +18,10 @@ namespace burnish {
 
 enum class Technique : std::uint8_t { kEmitter, kBsdf };
 inline constexpr int kTechniques = 2;
-/// Added to a bounce, or to the index of a vertex with an unknown, these name the numbers of a
-/// camera sample that are not those of its directions: by which a path to one light is chosen, a
-/// light sample among its candidates, and whether Russian roulette ends a path.
+/// Added to a bounce, or to the index of a vertex with an unknown, these name numbers of a camera
+/// sample other than those of its directions: for the choice of a path to one light
+/// (paths/light_paths.h), for that among the candidates of a light sample, and for Russian
+/// roulette.
 inline constexpr std::uint32_t kLightChoiceNumbers = 1u << 29, kCandidateNumbers = 1u << 30,
                                kRouletteNumbers = 1u << 31;
 

@@ -24,7 +24,7 @@ struct TraceWorkspace {
 
 /// One of each thread that traces direct light: nothing in it outlives a call.
 TraceWorkspace& trace_workspace() {
-    thread_local const auto w = std::make_unique<TraceWorkspace>();  // scratch memory only
+    thread_local const auto w = std::make_unique<TraceWorkspace>();
     return *w;
 }
 

@@ -12,8 +12,8 @@ namespace burnish {
 
 /// What pictures say about the texels of a texture, [height, width].
 struct TexelEvidence {
-    std::vector<char>
-        visited;  ///< non-zero where light paths meet the texel on the way to the camera
+    /// Non-zero where light paths meet the texel on the way to the camera.
+    std::vector<char> visited;
     /// The sum over the pictures' channels of weight (dI / d(texel))^2, over the texel's channels:
     /// the diagonal of the Gauss-Newton matrix. An estimate without bias, so some are below zero.
     std::vector<float> sensitivity;

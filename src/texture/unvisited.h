@@ -15,7 +15,8 @@ namespace burnish {
 /// it has any. Those of no chart take the values at the border of the nearest one, which filters
 /// and smaller copies of the texture read. visits: [height, width], non-zero where samples came.
 /// charts: [height, width]; empty: one. repeats: texels at opposite borders of the texture are
-/// neighbours. Nothing changes where no texel or every texel was visited.
+/// neighbours; at the end of an odd side only for those of no chart, as the levels' texels do not
+/// pair up there. Nothing changes where no texel or every texel was visited.
 void fill_unvisited(const std::vector<std::uint32_t>& visits, const ChartMap& charts, bool repeats,
                     Image& texels);
 

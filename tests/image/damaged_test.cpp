@@ -164,14 +164,14 @@ TEST_F(DamagedImages, WhatIsNotKnownIsNotCalledDamaged) {
     expect("EXR", exr, "found what is damaged or not known (");
 }
 
-/// Sizes in the header that the file cannot hold are refused before anything of that size is
-/// allocated.
 TEST(ImageSide, IsAWholeNumberOfPixels) {
     for (const double side : {1.0, 2.0, 32768.0}) EXPECT_TRUE(is_side(side)) << side;
     for (const double none : {0.0, -1.0, 1.5, 32769.0, 1e300, std::nan("")})
         EXPECT_FALSE(is_side(none)) << none;
 }
 
+/// Sizes in the header that the file cannot hold are refused before anything of that size is
+/// allocated.
 TEST_F(DamagedImages, HugeSizesAreRefused) {
     std::string png = make_png({20, 14, 2, 8, false});
     const std::string bmp = make_bmp(smooth_image(8, 8, 3)),

@@ -108,6 +108,13 @@ TEST(Language, OfANameTheLastElementOfTheSceneCounts) {
                               "<shape type='sphere' name='x'><ref id='m'/></shape>");
     EXPECT_EQ(referred.scene.shapes.size(), 1u);
     EXPECT_TRUE(referred.warnings.empty()) << "a bsdf is where it is referred to";
+
+    const LoadedScene integrators = load_text(
+        folder, "<emitter type='constant'/><sensor type='perspective'/>" + sphere +
+                    "<integrator type='direct' name='i'/><integrator type='direct' name='i'>"
+                    "<boolean name='hide_emitters' value='true'/></integrator>");
+    EXPECT_TRUE(integrators.scene.hide_emitters);
+    EXPECT_FALSE(mentions(integrators.notes, "a second integrator"));
 }
 
 TEST(Language, UnknownParametersAreOneWarning) {

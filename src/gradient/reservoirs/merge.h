@@ -19,8 +19,8 @@ template <class Sample>
 struct MergeInput {
     Sample sample{};  ///< y
     float q_now = 0;  ///< q_v(y), signed
-    float q_before =
-        0;  ///< q_{v-1}(y): under the textures and the adjoint of the iteration before, signed
+    /// q_{v-1}(y): under the textures and the adjoint of the iteration before, signed.
+    float q_before = 0;
     float W = 0;  ///< of x; 0: no sample
 };
 
