@@ -139,10 +139,10 @@ Given parse_set(const std::string& text) {
     }
     if (is_pair) {
         const std::size_t at = value.find_first_of(" x,");
-        if (at == std::string::npos)
+        if (at == std::string::npos && !value.empty())
             throw UsageError(
                 fmt::format("{}: expected two values, as 640,480, found '{}'", g.label, value));
-        g.values = {value.substr(0, at), value.substr(at + 1)};
+        if (at != std::string::npos) g.values = {value.substr(0, at), value.substr(at + 1)};
     }
     for (const std::string& v : g.values)
         if (const std::string wrong = complaint(name, v); !wrong.empty())

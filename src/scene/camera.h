@@ -28,7 +28,7 @@ struct Film {
     PixelFormat pixel_format = PixelFormat::kRgb;
 };
 
-/// The number of pixels of its image: a double, as 32768 x 32768 is no int.
+/// The number of pixels of its image; a double, as is what it is multiplied with.
 inline double pixels_of(const Film& film) { return double{1} * film.crop_width * film.crop_height; }
 
 inline constexpr double kMaxCameraDistance = 1e12;  ///< from the origin: rays overflow far beyond

@@ -336,7 +336,8 @@ TEST_F(PhotographsTest, MasksOfInstantNgpAreSaidOnce) {
                 "--init 0.5 --evaluation-spp 2 --force -o out");
         EXPECT_EQ(outcome.code, 0) << outcome.err;
         std::vector<std::string> found;
-        for (const std::string text : summary_of("out")["picture_warnings"])
+        const json all = summary_of("out")["picture_warnings"];
+        for (const std::string text : all)
             if (contains(text, "instant-ngp")) found.push_back(text);
         return found;
     };
