@@ -84,6 +84,10 @@ def test_views_of_transforms(folder):
 def test_messages(folder):
     with pytest.raises(burnish.InputError, match="scale: found 2"):
         burnish.read_capture(folder / "capture.json", scale=2)
+    with pytest.raises(burnish.InputError, match="expected cameras.bin and images.bin, or cameras.txt and images.txt"):
+        burnish.read_views(folder)
+    for name in ("cameras.txt", "images.txt"):
+        (folder / name).write_text("")
     with pytest.raises(burnish.InputError, match="images: expected the folder"):
         burnish.read_views(folder)
     text = (folder / "capture.json").read_text()
