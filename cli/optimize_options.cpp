@@ -137,12 +137,12 @@ Given parse_set(const std::string& text) {
     } catch (const InputError& error) {
         throw UsageError(std::string("--set: ") + error.what());
     }
-    if (is_pair) {
+    if (is_pair && !value.empty()) {
         const std::size_t at = value.find_first_of(" x,");
-        if (at == std::string::npos && !value.empty())
+        if (at == std::string::npos)
             throw UsageError(
                 fmt::format("{}: expected two values, as 640,480, found '{}'", g.label, value));
-        if (at != std::string::npos) g.values = {value.substr(0, at), value.substr(at + 1)};
+        g.values = {value.substr(0, at), value.substr(at + 1)};
     }
     for (const std::string& v : g.values)
         if (const std::string wrong = complaint(name, v); !wrong.empty())
