@@ -14,10 +14,11 @@ namespace burnish {
 std::vector<CapturedView> read_views(const std::string& views, const std::string& images) {
     const std::filesystem::file_status status = status_of(views);
     if (std::filesystem::is_directory(status)) {
-        require_reconstruction(views);
-        if (images.empty())
+        if (images.empty()) {
+            require_reconstruction(views);
             throw InputError("images: expected the folder of the pictures that " + views +
                              " names");
+        }
         return read_colmap(views, images);
     }
     if (std::filesystem::path(views).extension() != ".json")

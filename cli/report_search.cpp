@@ -49,8 +49,7 @@ std::string group_table(const RunResult& run, const SearchedGroup& group) {
             fmt::format("{} everywhere; {} region{} here", loss_text(v.loss), count_text(v.regions),
                         v.regions == 1 ? " starts" : "s start"));
     if (const std::size_t tried = group.tried.size(); tried > shown.size())
-        rows.emplace_back(fmt::format("{} other{} of {}", tried - shown.size(),
-                                      tried - shown.size() == 1 ? "" : "s", tried),
+        rows.emplace_back(fmt::format("{} of {}", count_text(tried - shown.size(), "other"), tried),
                           "not shown: summary.json has all");
     if (!group.guides.empty())
         rows.emplace_back("guided by", fmt::format("{}", fmt::join(group.guides, ", ")));

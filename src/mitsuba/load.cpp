@@ -35,9 +35,9 @@ void leave_out(Loader& loader, const Unsupported& error, const std::string& what
 
 namespace {
 
-/// As in Mitsuba, where children of the scene are its properties: of a name the last one counts,
-/// whatever it is. What has an id can still be referred to.
-void find_replaced(Loader& loader) {
+/// The children that count: as in Mitsuba, where they are properties of the scene, of a name the
+/// last one, whatever it is. What has an id can still be referred to.
+void find_children(Loader& loader) {
     static const std::set<std::string> kSeen{"shape", "emitter", "sensor", "integrator"};
     const std::vector<Node>& children = loader.document.root.children;
     std::map<std::string_view, const Node*> last;
@@ -47,8 +47,10 @@ void find_replaced(Loader& loader) {
     for (const Node& node : children) {
         const std::string& name = attribute(node, "name");
         const auto later = last.find(name);
-        if (later == last.end() || later->second == &node || !kSeen.count(node.tag)) continue;
-        loader.replaced.insert(&node);
+        if (later == last.end() || later->second == &node || !kSeen.count(node.tag)) {
+            loader.children.push_back(&node);
+            continue;
+        }
         log_warning(loader, node.place,
                     fmt::format("the {} named \"{}\" is left out: the element at {} has the same "
                                 "name, and of a name the last one counts",
@@ -59,13 +61,13 @@ void find_replaced(Loader& loader) {
 /// The first element of a tag; a note where there are more.
 const Node* first_of(Loader& loader, const char* tag) {
     const Node* first = nullptr;
-    for (const Node& node : loader.document.root.children) {
-        if (node.tag != tag || loader.replaced.contains(&node)) continue;
+    for (const Node* node : loader.children) {
+        if (node->tag != tag) continue;
         if (first)
-            note(loader, node.place,
+            note(loader, node->place,
                  fmt::format("the scene has a second {}: the first is taken", tag));
         else
-            first = &node;
+            first = node;
     }
     return first;
 }
@@ -113,20 +115,19 @@ void load_objects(Loader& loader) {
     std::set<const Node*> owned;
     find_emitters_of_shapes(loader.document, loader.document.root, owned);
     int materials = 0;
-    for (const Node& node : loader.document.root.children)
-        if (!loader.replaced.contains(&node))
-            read_or_leave_out(loader, "the scene goes on without it",
-                              [&] { load_object(loader, node, owned, materials); });
+    for (const Node* node : loader.children)
+        read_or_leave_out(loader, "the scene goes on without it",
+                          [&] { load_object(loader, *node, owned, materials); });
 }
 
 /// The first sensor must be one that can be read; of the others those that can.
 void load_sensors(Loader& loader) {
     Scene& scene = loader.result.scene;
-    for (const Node& node : loader.document.root.children) {
-        if (node.tag != "sensor" || loader.replaced.contains(&node)) continue;
+    for (const Node* node : loader.children) {
+        if (node->tag != "sensor") continue;
         const std::size_t number = scene.sensors.size();
         try {
-            scene.sensors.push_back(read_sensor(loader, node, number));
+            scene.sensors.push_back(read_sensor(loader, *node, number));
         } catch (const InputError& e) {
             const bool go_on =
                 loader.options.ignore_unsupported && dynamic_cast<const Unsupported*>(&e);
@@ -293,7 +294,7 @@ LoadedScene load_scene(const std::filesystem::path& file, const LoadOptions& opt
     loader.options = options;
     loader.document = parse_document(file, options.definitions);
     loader.result.notes = loader.document.notes;
-    find_replaced(loader);
+    find_children(loader);
     load_integrator_of_scene(loader);
     load_sensors(loader);
     load_objects(loader);

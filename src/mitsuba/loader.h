@@ -5,7 +5,6 @@
 
 #include <cstddef>
 #include <map>
-#include <set>
 #include <string>
 #include <vector>
 
@@ -50,7 +49,7 @@ struct Loader {
     std::map<const Node*, BsdfId> bsdfs;
     std::map<const Node*, MaterialId> materials;
     std::vector<FoundParameter> parameters;
-    std::set<const Node*> replaced;     ///< children of the scene whose name a later one has, too
+    std::vector<const Node*> children;  ///< of the scene, but those whose name a later one has, too
     const Node* environment = nullptr;  ///< the envmap or constant emitter
     std::map<const Node*, ShapeGroup> groups;
     AttributeSource attributes;                     ///< of the shape that is being read

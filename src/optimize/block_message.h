@@ -10,6 +10,7 @@
 
 #include "burnish/error.h"
 #include "core/kept_blocks.h"
+#include "optimize/ranks.h"
 
 namespace burnish {
 
@@ -59,11 +60,7 @@ class MessageReader {
         }
     }
     /// Throws Error where there is more.
-    void require_end() const {
-        if (!at_end())
-            throw Error(fmt::format("an exchange gave a message of {} bytes, expected {}",
-                                    bytes_.size(), at_));
-    }
+    void require_end() const { require_bytes(bytes_, at_); }
 
   private:
     void copy(void* to, std::size_t size) {

@@ -73,39 +73,27 @@ TEST(Unvisited, AreFilledFromOneTexelOnOddSizesAndInEachChannel) {
     }
 }
 
-/// Columns 0 to 7 are one chart, the others another; the unknown texels of each lie nearer to the
-/// known ones of the other.
-TEST(Unvisited, AreFilledFromTheirOwnChart) {
+/// Columns left of `border` are one chart, the others another; columns from 2 to there are unknown.
+void expect_own_charts(std::size_t border) {
     Image texels = make_image(16, 8, 1, 0.5f);
     ChartMap charts(128);
     std::vector<std::uint32_t> visits(128, 0);
     for (std::size_t i = 0; i < 128; ++i) {
         const std::size_t x = i % 16;
-        charts[i] = x < 8 ? 1 : 2;
-        if (x >= 2 && x < 8) continue;
-        visits[i] = 1;
-        texels.values[i] = x < 8 ? 0.2f : 0.8f;
+        charts[i] = x < border ? 1 : 2;
+        visits[i] = x < 2 || x >= border;
+        if (visits[i]) texels.values[i] = x < border ? 0.2f : 0.8f;
     }
     fill_unvisited(visits, charts, false, texels);
     for (std::size_t i = 0; i < 128; ++i)
-        EXPECT_FLOAT_EQ(texels.values[i], i % 16 < 8 ? 0.2f : 0.8f) << i;
+        EXPECT_FLOAT_EQ(texels.values[i], i % 16 < border ? 0.2f : 0.8f) << i;
 }
 
+/// The unknown texels lie nearer to the known ones of the other chart.
+TEST(Unvisited, AreFilledFromTheirOwnChart) { expect_own_charts(8); }
+
 /// The border of two charts lies within texels of the coarser levels: none of them mixes the two.
-TEST(Unvisited, AreFilledFromTheirOwnChartWhereCoarseTexelsHoldTwo) {
-    Image texels = make_image(16, 8, 1, 0.5f);
-    ChartMap charts(128);
-    std::vector<std::uint32_t> visits(128, 0);
-    for (std::size_t i = 0; i < 128; ++i) {
-        const std::size_t x = i % 16;
-        charts[i] = x < 7 ? 1 : 2;
-        visits[i] = x < 2 || x >= 7;
-        if (visits[i]) texels.values[i] = x < 7 ? 0.2f : 0.8f;
-    }
-    fill_unvisited(visits, charts, false, texels);
-    for (std::size_t i = 0; i < 128; ++i)
-        EXPECT_FLOAT_EQ(texels.values[i], i % 16 < 7 ? 0.2f : 0.8f) << i;
-}
+TEST(Unvisited, AreFilledFromTheirOwnChartWhereCoarseTexelsHoldTwo) { expect_own_charts(7); }
 
 TEST(Unvisited, AreCountedWhereASurfaceReadsThem) {
     EXPECT_EQ(count_unvisited({0, 0, 3, 0, 1}, {0, 1, 1, 2, 0}), 2u);
