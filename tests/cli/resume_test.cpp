@@ -96,7 +96,10 @@ TEST_F(Resume, KilledAtAnyTimeItLosesNoCheckpoint) {
         const int status = end_of(pid);
         const std::string text = read_text(folder / ".err");
         if (known > 0 && contains(text, "going on")) {
-            EXPECT_TRUE(contains(text, fmt::format("going on after {} iterations", known))) << text;
+            const char* plural = known == 1 ? "" : "s";
+            EXPECT_TRUE(
+                contains(text, fmt::format("going on after {} iteration{},", known, plural)))
+                << text;
         }
         EXPECT_FALSE(contains(text, "damaged")) << text;
         EXPECT_GE(iterations_of("out") + 1000 * fs::exists(folder / "out/summary.json"), known);
