@@ -1,5 +1,13 @@
 #include "cli/option_text.h"
 
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+
+#include "cli/commands.h"
+#include "scene/parameter_names.h"
+
 namespace burnish {
 
 CLI::Validator in_range(const Range& range) {
@@ -12,5 +20,15 @@ std::string complaint_of_empty(const std::string& text) {
 }
 
 CLI::Validator not_empty() { return CLI::Validator(complaint_of_empty, ""); }
+
+void require_known(const char* what, const std::string& name,
+                   const std::vector<std::string>& known) {
+    if (std::ranges::find(known, name) != known.end()) return;
+    const std::string nearest = nearest_name(name, known);
+    throw UsageError(
+        fmt::format("there is no {} '{}', {} one of {}", what, name,
+                    nearest.empty() ? "expected" : "did you mean " + nearest + "? Expected",
+                    fmt::join(known, ", ")));
+}
 
 }  // namespace burnish

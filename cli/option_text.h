@@ -3,6 +3,7 @@
 
 #include <CLI/App.hpp>
 #include <string>
+#include <vector>
 
 #include "optimize/option_value.h"
 
@@ -16,6 +17,11 @@ CLI::Validator in_range(const Range& range);
 std::string complaint_of_empty(const std::string& text);
 /// Refuses an empty text.
 CLI::Validator not_empty();
+
+/// Throws UsageError with the known names and the nearest one where `name` is not one of them.
+/// what: what the name is of.
+void require_known(const char* what, const std::string& name,
+                   const std::vector<std::string>& known);
 
 /// An option whose value is a text that may not be empty. type: what stands for it in the help.
 /// `value` must outlive the parsing, here and below.

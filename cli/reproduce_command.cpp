@@ -23,7 +23,6 @@
 #include "experiments/experiments.h"
 #include "experiments/interval.h"
 #include "image/files.h"
-#include "scene/parameter_names.h"
 
 namespace burnish {
 
@@ -104,19 +103,11 @@ bool contains(const std::vector<T>& list, const T& item) {
     return std::find(list.begin(), list.end(), item) != list.end();
 }
 
-/// Refuses names that are not known, in one sentence.
 template <class Known>
 void check_names(const char* what, const std::vector<std::string>& names, const Known& known) {
     std::vector<std::string> all;
     for (const auto& k : known) all.emplace_back(k.name);
-    for (const std::string& name : names) {
-        if (contains(all, name)) continue;
-        const std::string nearest = nearest_name(name, all);
-        throw UsageError(fmt::format(
-            "there is no {} '{}', {} {}", what, name,
-            nearest.empty() ? "expected" : "did you mean " + nearest + "? Expected one of",
-            fmt::join(all, ", ")));
-    }
+    for (const std::string& name : names) require_known(what, name, all);
 }
 
 /// Whether the command line asks for an experiment, a scene, the one with the other.

@@ -25,6 +25,7 @@ std::string known_scenes() { return fmt::format("{}", fmt::join(procedural_scene
 
 /// What else the folder holds stays, results too. Where a file cannot be written, all does.
 void write_built_in(const WriteOptions& options) {
+    require_known("scene", options.name, procedural_scene_names());
     OutputFolder output = open_output_folder(options.output, Found::kAllowed);
     output.earlier_files.clear();  // nothing is replaced as a whole
     write_procedural_scene(options.name, output.unfinished, options.scene);
