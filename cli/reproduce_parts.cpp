@@ -174,19 +174,20 @@ double seconds_of(const InverseRuns& runs) {
 /// Ends a part before the next of its estimates.
 struct StoppedBetweenEstimates {};
 
-/// Keeps the estimates of a part until all of it is. took: the seconds of those that earlier runs
-/// have made are added.
-GetNumbers keep_numbers(const KeptResults& kept, double& took) {
-    return [&](const std::string& name, const std::function<EstimateNumbers()>& make) {
-        if (const auto found = find_kept(kept, "estimate", name)) {
+/// Keeps what a part estimates until all of it is, in files called `kind`. took: the seconds of
+/// what earlier runs have made are added.
+template <class T>
+Get<T> keep_estimates(const KeptResults& kept, const char* kind, double& took) {
+    return [&kept, kind, &took](const std::string& name, const std::function<T()>& make) {
+        if (const auto found = find_kept(kept, kind, name)) {
             took += found->at(1).get<double>();
-            return found->at(0).get<EstimateNumbers>();
+            return found->at(0).get<T>();
         }
         if (interrupted()) throw StoppedBetweenEstimates{};
         const Stopwatch watch;
-        const EstimateNumbers numbers = make();
-        keep(kept, "estimate", name, {numbers, watch.total()});
-        return numbers;
+        const T made = make();
+        keep(kept, kind, name, {made, watch.total()});
+        return made;
     };
 }
 
@@ -200,7 +201,8 @@ void run_part(const ReproduceOptions& options, const Machine& machine, const Kep
     const KeptResults unfinished{kept_path(kept, name_of(part) + "-unfinished", made),
                                  kept.program};
     double earlier_seconds = 0;
-    note.numbers = keep_numbers(unfinished, earlier_seconds);
+    note.numbers = keep_estimates<EstimateNumbers>(unfinished, "estimate", earlier_seconds);
+    note.reference = keep_estimates<DerivativeReference>(unfinished, "derivative", earlier_seconds);
     if (e.needs == Needs::kRuns &&
         !prepare_runs(*part.target, options, machine, kept, note, scene[0]))
         return;

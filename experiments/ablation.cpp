@@ -162,11 +162,15 @@ std::vector<Row> run_rates(const TargetScene& scene, const ReproduceOptions& opt
     for (const double factor : {0.2, 5.0}) {
         Options paper = paper_options(scene, options);
         paper.learning_rate = factor * double{scene.source.learning_rate};
-        note(fmt::format("{}: learning rate {:g}", scene.source.name, *paper.learning_rate));
+        const std::string name = fmt::format("learning rate {:g}", *paper.learning_rate);
+        note(scene.source.name + ": " + name);
         const Trajectory trajectory =
             record_trajectory(scene, paper, options.iterations, note.share);
-        const DerivativeReference reference = converged_derivative(
-            scene.traced(), trajectory, options.reference_samples, options.seed, note.share);
+        const auto make = [&] {
+            return converged_derivative(scene.traced(), trajectory, options.reference_samples,
+                                        options.seed, note.share);
+        };
+        const DerivativeReference reference = note.reference ? note.reference(name, make) : make();
         Rows rows{scene, trajectory, reference, note};
         run_rate(rows, *paper.learning_rate, options);
         std::move(rows.rows.begin(), rows.rows.end(), std::back_inserter(all));

@@ -15,14 +15,15 @@
 namespace burnish {
 
 using TargetScenes = std::span<TargetScene>;
-/// The numbers of an estimate: those that are kept under its name, or made.
-using GetNumbers = std::function<EstimateNumbers(const std::string& name,
-                                                 const std::function<EstimateNumbers()>& make)>;
+/// What is kept under a name, or made and kept.
+template <class T>
+using Get = std::function<T(const std::string& name, const std::function<T()>& make)>;
 /// Is told of the work that is under way, and keeps what takes long.
 struct WorkNote {
     std::function<void(const std::string&)> begin;  ///< what begins, in a few words
-    Progress share;           ///< the share of it that is done, where the work knows; may be empty
-    GetNumbers numbers = {};  ///< empty: nothing is kept
+    Progress share;  ///< the share of it that is done, where the work knows; may be empty
+    Get<EstimateNumbers> numbers = {};        ///< of an estimate; empty: nothing is kept
+    Get<DerivativeReference> reference = {};  ///< at the end of a trajectory; likewise
     void operator()(const std::string& text) const { begin(text); }
 };
 

@@ -360,29 +360,32 @@ TEST_F(Signals, AReproductionGoesOnWithinAScene) {
 TEST_F(Signals, AReproductionGoesOnBetweenEstimates) {
     const std::string command =
         "reproduce ablation -o r --scene goblet --size 32 32 --time-scale 0.01";
-    const auto estimates = [&] {
+    const auto estimates = [&](const char* kind) {
         std::set<fs::path> files;
         for (const fs::path& part : kept_files(folder / "r.kept", "goblet-ablation-unfinished"))
-            for (const fs::path& file : kept_files(part, "estimate")) files.insert(file);
+            for (const fs::path& file : kept_files(part, kind)) files.insert(file);
         return files;
     };
-    const auto stop = [&](int signal, std::size_t count) {
+    const auto stop = [&](int signal, const char* kind, std::size_t count) {
         const pid_t pid = start(command);
-        EXPECT_TRUE(wait_for([&] { return estimates().size() >= count; }));
+        EXPECT_TRUE(wait_for([&] { return estimates(kind).size() >= count; }));
         const int status = end_within(10, pid, signal);
         EXPECT_TRUE(WIFEXITED(status) && WEXITSTATUS(status) == 75) << status;
         EXPECT_TRUE(contains(read_text(folder / ".err"), "goes on with what is kept in r.kept"));
         EXPECT_FALSE(fs::exists(folder / "r"));
     };
-    stop(SIGINT, 2);
-    const std::set<fs::path> first = estimates();
+    stop(SIGINT, "estimate", 2);
+    const std::set<fs::path> first = estimates("estimate");
     std::map<fs::path, std::string> bytes;
     for (const fs::path& file : first) bytes[file] = read_text(file);
-    stop(SIGTERM, first.size() + 2);
-    for (const fs::path& file : first)
-        EXPECT_TRUE(bytes[file] == read_text(file)) << file << " was made again";
+    stop(SIGTERM, "estimate", first.size() + 2);
+    stop(SIGTERM, "derivative", 1);
+    for (const fs::path& file : estimates("derivative")) bytes[file] = read_text(file);
+    stop(SIGTERM, "estimate", estimates("estimate").size() + 1);
+    for (const auto& [file, text] : bytes)
+        EXPECT_TRUE(text == read_text(file)) << file << " was made again";
     EXPECT_EQ(end_of(start(command)), 0);
-    EXPECT_TRUE(estimates().empty());
+    EXPECT_TRUE(estimates("estimate").empty());
     EXPECT_EQ(kept_files(folder / "r.kept", "goblet-ablation").size(), 1u);
     EXPECT_TRUE(contains(read_text(folder / "r/results.csv"), "M_cap 4"));
 }
