@@ -5,7 +5,6 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
-#include <ranges>
 
 #include "image/image.h"
 
@@ -34,10 +33,17 @@ class SrgbCodes {
         const auto code = [](std::uint32_t bits) {
             return rounded_code(linear_to_srgb(std::bit_cast<float>(bits)));
         };
-        const auto all = std::views::iota(std::uint32_t{0}, kOne + 1);
-        for (std::size_t k = 0; k < 256; ++k)
-            least_[k] = std::bit_cast<float>(
-                *std::ranges::partition_point(all, [&](std::uint32_t b) { return code(b) < k; }));
+        for (std::size_t k = 0; k < 256; ++k) {
+            std::uint32_t least = 0, end = kOne;
+            while (least < end) {
+                const std::uint32_t middle = least + (end - least) / 2;
+                if (code(middle) < k)
+                    least = middle + 1;
+                else
+                    end = middle;
+            }
+            least_[k] = std::bit_cast<float>(least);
+        }
         least_[256] = std::numeric_limits<float>::infinity();
         for (std::uint32_t i = 0; i < first_.size(); ++i) first_[i] = code(i << kShift);
     }
