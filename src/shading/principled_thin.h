@@ -45,6 +45,7 @@ template <class U>
 struct SheetGeometry {
     Vec3<U> wi{}, wo{}, h{};
     U wi_h{}, wo_h{}, fresnel{};  ///< cosines to h of wi and of the mirrored direction
+    U schlick{};                  ///< Schlick's weight, of the cosine on the side of lower index
     MaskOf<U> same_side{};
     MaskOf<U> proper{};  ///< wo sees the side of the facet that it should
 };
@@ -61,7 +62,9 @@ SheetGeometry<U> sheet_geometry(const Vec3<U>& wi, const Vec3<U>& wo, const U& e
     const auto some = squared > zero;
     g.h = sum * (one / sqrt(select(some, squared, one)));
     g.wi_h = dot(g.wi, g.h), g.wo_h = dot(mirrored, g.h);
-    g.fresnel = fresnel_dielectric(g.wi_h, eta).reflectance;
+    const auto fresnel = fresnel_dielectric(g.wi_h, eta);
+    g.fresnel = fresnel.reflectance;
+    g.schlick = schlick_weight(select(eta < one, U(abs(fresnel.cos_t)), g.wi_h));
     const U seen = dot(g.wo, g.h);
     g.proper = some && g.wi.z > zero && g.wi_h > zero &&
                ((g.same_side && seen > zero) || (!g.same_side && seen < zero && g.wo.z < zero));
@@ -106,9 +109,9 @@ Rgb<T> eval_sheet_specular(const PrincipledThinParameters<T>& p, const SheetGeom
     const T d_v = ggx_d(ggx, g.h) * ggx_visibility(ggx, g.wi, g.wo) * abs(g.wo.z);
     const T lobe = select(g.proper, d_v, T(zero));
     const Rgb<T> tint = principled_tint(p.base_color);
-    const U weight = schlick_weight(g.wi_h), r0 = schlick_r0(p.eta);
+    const U r0 = schlick_r0(p.eta);
     const auto channel = [&](const T& base, const T& t) {
-        const T mirrored = lerp(T(g.fresnel), schlick(T(t * r0), weight), p.spec_tint);
+        const T mirrored = lerp(T(g.fresnel), schlick(T(t * r0), g.schlick), p.spec_tint);
         return T(select(g.same_side, mirrored, T(base * (one - g.fresnel))) * lobe);
     };
     return {channel(p.base_color.x, tint.x), channel(p.base_color.y, tint.y),
