@@ -72,8 +72,8 @@ class Renderer {
     int height() const;
     /// What textures can replace: bitmaps of materials, in the order of the scene, and
     /// SceneSettings::constants. Several names may mean one texture. Those of smooth conductors,
-    /// plastics and dielectrics, and those that turn normals or are an emitter's, too, can be
-    /// replaced but not recovered.
+    /// plastics and dielectrics, and those that turn normals, can be replaced but not recovered;
+    /// those that are an emitter's, too, neither.
     std::vector<ParameterInfo> parameters() const;
     /// What was left out or assumed when the scene was read, one sentence each.
     const std::vector<std::string>& warnings() const;
@@ -82,8 +82,8 @@ class Renderer {
     Image texture(const std::string& parameter) const;
     /// The picture [height, width, 3], linear RGB radiance. samples_per_pixel: 1 to 2^20. The same
     /// bytes for any number of threads. Throws InputError: no sample, or too many; of `textures`,
-    /// what texture() throws, two names of one texture, texels that are not as TextureValues says,
-    /// or one that is not finite.
+    /// what texture() throws, two names of one texture, one that an emitter reads, too, texels that
+    /// are not as TextureValues says, or one that is not finite.
     Image render(std::uint32_t samples_per_pixel, std::uint32_t seed = 0,
                  const TextureValues& textures = {}, const Progress& progress = {}) const;
 

@@ -15,7 +15,7 @@ namespace burnish {
 
 namespace {
 
-/// The parameters, each once, then what else `textures` replaces.
+/// The parameters are the unknowns; what else `textures` replaces is known.
 Theta theta_of(const Scene& scene, const std::vector<std::string>& parameters,
                const TextureValues& textures) {
     Theta theta;
@@ -34,7 +34,7 @@ Theta theta_of(const Scene& scene, const std::vector<std::string>& parameters,
         if (const auto at = find(id); at != theta.textures.end())
             at->values = std::move(texels);
         else
-            theta.textures.push_back({id, std::move(texels)});
+            theta.replaced.push_back({id, std::move(texels)});
     }
     return theta;
 }
@@ -78,7 +78,6 @@ std::vector<Image> estimate_gradient(const Renderer& renderer,
         if (progress) progress((number + 1.0) / count);
     };
     std::vector<Image> mean = mean_gradient(mean_options, binding, adjoint, report);
-    mean.resize(parameters.size());
     require_finite_gradient(rejected, kept, mean);
     return mean;
 }

@@ -27,10 +27,11 @@ TextureTable texture_table(const Scene& scene, const Theta& theta) {
     TextureTable table;
     table.textures = scene.textures;
     table.values.assign(scene.textures.size(), nullptr);
-    for (const ThetaTexture& t : theta.textures) {
-        check_sizes(scene, t);
-        table.values[static_cast<std::size_t>(t.texture.value)] = t.values.values.data();
-    }
+    for (const auto* textures : {&theta.textures, &theta.replaced})
+        for (const ThetaTexture& t : *textures) {
+            check_sizes(scene, t);
+            table.values[static_cast<std::size_t>(t.texture.value)] = t.values.values.data();
+        }
     return table;
 }
 

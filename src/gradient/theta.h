@@ -12,7 +12,7 @@
 
 namespace burnish {
 
-/// One unknown: linear values as the BSDF sees them, [height, width, channels].
+/// One texture: linear values as the BSDF sees them, [height, width, channels].
 struct ThetaTexture {
     TextureId texture;
     Image values;
@@ -21,13 +21,14 @@ struct ThetaTexture {
 };
 
 struct Theta {
-    std::vector<ThetaTexture> textures;
+    std::vector<ThetaTexture> textures;       ///< the unknowns
+    std::vector<ThetaTexture> replaced = {};  ///< known, but with other values than the scene's
 
     friend bool operator==(const Theta&, const Theta&) = default;
 };
 
-/// The scene's textures with those of theta in their place. Views only: scene and theta must
-/// outlive it.
+/// The scene's textures with the unknowns and replaced ones in their place. Views only: scene and
+/// theta must outlive it.
 TextureTable texture_table(const Scene& scene, const Theta& theta);
 
 /// TraceInput::unknown_bsdfs: for each BSDF of the scene what of it is a texture of theta. slots:

@@ -46,6 +46,7 @@ void add_shares(std::span<const BlendShare> shares, std::span<const int> slots,
         shader.unknowns.push_back({share.weight, slot, place, false});
         shader.shares.push_back(share);
     }
+    BURNISH_REQUIRE(shader.shares.size(), <=, kMaxShares);
     if (shader.shares.empty()) shader.is_within_light = false;
     if (shader.is_within_light) shader.constant_inputs.clear();
 }

@@ -2,9 +2,8 @@
 
 #include <fmt/format.h>
 
-#include <ranges>
-
 #include "burnish/error.h"
+#include "core/require.h"
 #include "image/image.h"
 #include "image/whole.h"
 #include "render/render.h"
@@ -40,8 +39,13 @@ std::vector<TextureId> find_textures(const Scene& scene,
 }
 
 std::vector<TextureId> find_textures(const Scene& scene, const TextureValues& values) {
-    const auto names = std::views::keys(values);
-    return find_textures(scene, std::vector<std::string>(names.begin(), names.end()));
+    std::vector<std::string> names;
+    for (const auto& entry : values) names.push_back(entry.first);
+    const std::vector<TextureId> textures = find_textures(scene, names);
+    for (std::size_t i = 0; i < names.size(); ++i)
+        require(!is_of_emitter(scene, textures[i]),
+                names[i] + " is a texture that an emitter reads, too: expected one of its own");
+    return textures;
 }
 
 Image texels_of(const Bitmap& bitmap, const std::string& parameter, const Image& image) {

@@ -28,10 +28,11 @@ TextureId find_texture(const Scene& scene, const std::string& parameter);
 /// Those of several names. Throws InputError, too, where two names mean one.
 std::vector<TextureId> find_textures(const Scene& scene,
                                      const std::vector<std::string>& parameters);
+/// Throws InputError, too, of one that an emitter reads: light is chosen by what it was.
 std::vector<TextureId> find_textures(const Scene& scene, const TextureValues& values);
 
-/// The scene's textures with some replaced. Throws InputError: no such parameter, two names of one
-/// texture, or texels of another size.
+/// The scene's textures with some replaced. Throws InputError as find_textures does, and of texels
+/// of another size.
 struct ReplacedTextures {
     std::vector<Image> images;
     TextureTable table;  ///< points into `images` and the scene

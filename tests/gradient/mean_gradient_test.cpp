@@ -56,11 +56,11 @@ TEST(MeanGradient, IsThatOfTheEstimatesAtTheGivenTextures) {
         estimate_gradient(strips.renderer, names, strips.adjoint, options);
     EXPECT_EQ(own, mean_of_three(strips, theta));
 
-    // One parameter, with another one's texels replaced.
-    Theta other = theta;
-    for (float& v : other.textures[1].values.values) v = 0.9f;
+    // One parameter, with another one's texels replaced, which is no unknown.
+    Theta other{{theta.textures[0]}, {theta.textures[1]}};
+    for (float& v : other.replaced[0].values.values) v = 0.9f;
     GradientOptions replaced = options;
-    replaced.textures[names[1]] = other.textures[1].values;
+    replaced.textures[names[1]] = other.replaced[0].values;
     const std::vector<Image> there =
         estimate_gradient(strips.renderer, {names[0]}, strips.adjoint, replaced);
     ASSERT_EQ(there.size(), 1u);

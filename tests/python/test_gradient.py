@@ -48,6 +48,29 @@ def scene_of(folder, *bsdfs):
     return burnish.load(folder / "scene.xml")
 
 
+def test_textures_that_are_given_are_no_unknowns(tmp_path):
+    bsdf = '<bsdf type="diffuse" id="inner"><ref name="reflectance" id="color"/></bsdf>'
+    weight = '<texture type="bitmap" name="weight"><string name="filename" value="color.exr"/><boolean name="raw" value="true"/></texture>'
+    for k in range(6):  # more than can be recovered together
+        bsdf = f'<bsdf type="blendbsdf" id="blend{k}">{weight}<bsdf type="diffuse"/>{bsdf}</bsdf>'
+    renderer = scene_of(tmp_path, bsdf)
+    name, = (n for n in renderer.parameters if "reflectance" in n)
+    adjoint = np.ones((8, 8, 3), np.float32)
+    expected = renderer.gradient(adjoint, name, spp=4)[name]
+    assert (expected != 0).any()
+    np.testing.assert_array_equal(renderer.gradient(adjoint, name, textures=dict(renderer.parameters), spp=4)[name], expected)
+
+
+def test_textures_of_emitters_are_not_replaced(tmp_path):
+    lamp = '<emitter type="area"><ref name="radiance" id="color"/></emitter><bsdf type="diffuse" id="lamp"/>'
+    renderer = scene_of(tmp_path, lamp, '<bsdf type="diffuse" id="floor"><ref name="reflectance" id="color"/></bsdf>')
+    name, = renderer.parameters
+    with pytest.raises(burnish.InputError, match="floor.* is a texture that an emitter reads, too"):
+        renderer.render({name: 1.0}, spp=1)
+    with pytest.raises(burnish.InputError, match="an emitter reads, too"):
+        renderer.gradient(np.ones((8, 8, 3), np.float32), name, textures={name: 1.0}, spp=1)
+
+
 def test_all_that_can_be_recovered_is_differentiated(tmp_path):
     first, second = (f'<bsdf type="diffuse" id="{name}"><ref name="reflectance" id="color"/></bsdf>' for name in ("first", "second"))
     smooth = '<bsdf type="plastic" id="smooth"><ref name="diffuse_reflectance" id="other"/></bsdf>'
