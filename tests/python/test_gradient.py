@@ -56,9 +56,9 @@ def test_textures_that_are_given_are_no_unknowns(tmp_path):
     renderer = scene_of(tmp_path, bsdf)
     name, = (n for n in renderer.parameters if "reflectance" in n)
     adjoint = np.ones((8, 8, 3), np.float32)
-    expected = renderer.gradient(adjoint, name, spp=4)[name]
+    expected = renderer.gradient(adjoint, name, spp=64)[name]  # one sample in 64 comes to it
     assert (expected != 0).any()
-    np.testing.assert_array_equal(renderer.gradient(adjoint, name, textures=dict(renderer.parameters), spp=4)[name], expected)
+    np.testing.assert_array_equal(renderer.gradient(adjoint, name, textures=dict(renderer.parameters), spp=64)[name], expected)
 
 
 def test_textures_of_emitters_are_not_replaced(tmp_path):
