@@ -35,7 +35,9 @@ struct CheckpointNote {
 /// iteration, too, before it evaluates, and where memory ends within an iteration, before it
 /// throws. Of several processes the first one writes one file for all.
 struct Checkpoints {
-    std::string folder = {};  ///< made where it is missing; never empty
+    /// Made where it is missing; never empty. A checkpoint's name is the number of iterations with
+    /// ten digits and ".burnish"; files of other names are left alone.
+    std::string folder = {};
     /// Between two; longer where writing takes more than 2 % of the time.
     double seconds = 60;
     std::string settings = {};      ///< of the caller's own, kept with the run

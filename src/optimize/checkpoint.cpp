@@ -40,12 +40,26 @@ void fields(auto& archive, Is<Summary> auto& v) {
     archive(v.iterations, v.counts, v.seconds, v.search_seconds, v.searched);
 }
 
+namespace {
+
+constexpr std::size_t kDigits = 10;  // of the number of iterations, in a name
+constexpr const char* kExtension = ".burnish";
+
+std::string file_name(std::uint32_t iterations) {
+    return fmt::format("{:0{}}{}", iterations, kDigits, kExtension);
+}
+
+bool is_checkpoint_name(const std::string& name) {
+    return name.find_first_not_of("0123456789") == kDigits && name.substr(kDigits) == kExtension;
+}
+
+}  // namespace
+
 std::vector<fs::path> checkpoints_in(const fs::path& folder) {
     std::vector<fs::path> files;
     std::error_code ignored;
     for (const auto& entry : fs::directory_iterator(folder, ignored))
-        if (entry.path().extension() == kCheckpointExtension && !is_temporary(entry.path()) &&
-            entry.is_regular_file(ignored))
+        if (is_checkpoint_name(entry.path().filename().string()) && entry.is_regular_file(ignored))
             files.push_back(entry.path());
     std::sort(files.begin(), files.end());
     return files;
@@ -68,10 +82,6 @@ static_assert(sizeof(Header) == 72);
 
 std::uint64_t header_hash(const Header& header) {
     return hash_of({reinterpret_cast<const char*>(&header), offsetof(Header, hash)});
-}
-
-std::string file_name(std::uint32_t iterations) {
-    return fmt::format("{:010}{}", iterations, kCheckpointExtension);
 }
 
 void remove(const std::vector<fs::path>& files) {

@@ -12,10 +12,8 @@
 
 namespace burnish {
 
-/// Of a checkpoint's name.
-inline constexpr const char* kCheckpointExtension = ".burnish";
-
-/// The regular files of that name in a folder, oldest first; none where there is no folder.
+/// The regular files of a folder whose name is that of a checkpoint, ten digits and ".burnish",
+/// oldest first; none where there is no folder. What has another name is somebody else's.
 std::vector<std::filesystem::path> checkpoints_in(const std::filesystem::path& folder);
 
 /// What writing a state is taken to last until one was written: as long as on a slow disk.

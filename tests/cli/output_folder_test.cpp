@@ -220,6 +220,21 @@ TEST_F(OutputFolderTest, ACheckpointThatResultsDoNotListIsOfAStoppedRun) {
     EXPECT_NO_THROW(open_output_folder(folder / "out", Found::kRefused));
 }
 
+TEST_F(OutputFolderTest, WhatIsNoCheckpointStaysBesideThem) {
+    put("out/checkpoints/best.burnish", "mine");
+    put("out/checkpoints/compared/0000000005 copy.burnish", "mine");
+    const auto before = content("out");
+    EXPECT_FALSE(holds_stopped_run(folder / "out", {}));
+    expect_refused("out", Found::kRefused);
+    put("out/checkpoints/0000000005.burnish", "x");
+    EXPECT_TRUE(holds_stopped_run(folder / "out", {}));
+    {
+        OutputFolder output = open_output_folder(folder / "out", Found::kAllowed);
+        clear_checkpoints(output);
+    }
+    EXPECT_EQ(content("out"), before);
+}
+
 TEST_F(OutputFolderTest, ASummaryThatNoRunHasWrittenIsNone) {
     const auto is_one = [&](std::size_t arrays, std::size_t spaces) {
         put("out/summary.json", R"({"burnish": "\"[", "files": [], "asked": )" +

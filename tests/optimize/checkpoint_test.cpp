@@ -379,6 +379,46 @@ TEST_F(CheckpointTest, ANewRunReplacesWhatAnEarlierOneHasLeft) {
     EXPECT_TRUE(newest.damaged.empty());
 }
 
+/// A state that somebody saved there, and a copy of a checkpoint.
+TEST_F(CheckpointTest, FilesOfOtherNamesAreLeftAlone) {
+    Options options;
+    options.estimator = MonteCarlo{1, 1}, options.evaluation_samples = 2;
+    checkpoints.seconds = 3600;  // at the end of a run alone
+    const fs::path own = checkpoints.folder, copy = own / "a copy of 2.burnish";
+    fs::create_directories(own);
+    std::ofstream(own / "zz.burnish") << "mine";
+    EXPECT_TRUE(checkpoints_in(own).empty());
+    EXPECT_NE(test::error_of([&] { load_checkpoint(own); }).find("holds no checkpoint"),
+              std::string::npos);
+    const auto run = [&](std::uint32_t iterations) {
+        options.stop.iterations = iterations;
+        if (checkpoints_in(own).empty())
+            solve(test::state_problem(), options, checkpoints);
+        else
+            solve(test::state_problem(), options, load_checkpoint(own), checkpoints);
+    };
+    const auto bytes_of = [](const fs::path& file) {
+        std::ostringstream bytes;
+        bytes << std::ifstream(file, std::ios::binary).rdbuf();
+        return bytes.str();
+    };
+    run(2);
+    fs::copy_file(own / "0000000002.burnish", copy);
+    const std::string bytes = bytes_of(copy);
+    run(6);
+    EXPECT_EQ(load_checkpoint(own).run.iterations.size(), 6u);
+    run(7), run(8);
+    EXPECT_EQ(checkpoints_in(own).size(), 2u);
+    EXPECT_EQ(load_checkpoint(own).run.iterations.size(), 8u);
+    EXPECT_EQ(bytes_of(own / "zz.burnish"), "mine");
+    EXPECT_EQ(bytes_of(copy), bytes);
+    options.seed = 5;  // another run, to which what lies there is of no use
+    solve(test::state_problem(), options, checkpoints, test::stop_after(1));
+    EXPECT_EQ(files().size(), 3u) << "its own and the two";
+    EXPECT_EQ(bytes_of(own / "zz.burnish"), "mine");
+    EXPECT_EQ(bytes_of(copy), bytes);
+}
+
 TEST_F(CheckpointTest, WhatHasChangedIsNamed) {
     Options options;
     options.stop.iterations = 3, options.evaluation_samples = 2;
