@@ -62,9 +62,10 @@ struct Photograph {
 Photograph read_photograph(const std::string& file, const Encoding& encoding = {},
                            Turning turning = Turning::kUpright);
 
-/// Multiplies the mask with one of your own, [height, width, 1 or 3] of the same size. Throws
-/// InputError where it is not, where the photograph's own images are not of one size, or where one
-/// of all these has not one value for each channel of a pixel.
+/// Multiplies the mask with one of your own, [height, width, 1 or 3] of the same size; its weights
+/// are finite and not negative. Throws InputError where it is not so, where the photograph's own
+/// images are not of one size, or where one of all these has not one value for each channel of a
+/// pixel.
 void add_mask(const Image& mask, Photograph& photograph);
 
 /// The weights of its pixels for View::mask: the mask, 0 where a pixel is clipped; width 0: all

@@ -125,6 +125,7 @@ void add_mask(const Image& mask, Photograph& p) {
     require_whole(p);
     require_size_of(p.image, "the mask", mask, 3);
     require_whole(mask, "the mask");
+    require_weights(mask, "the mask");
     const int channels = std::max(mask.channels, p.mask.channels);
     const Image earlier = with_channels(std::move(p.mask), channels);
     p.mask = with_channels(mask, channels);

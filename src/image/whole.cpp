@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "image/image.h"
@@ -26,6 +27,14 @@ void require_finite(const Image& image, const std::string& what, const std::stri
     throw InputError(fmt::format(
         "{}: {} of {} values are not finite, the first one ({}) at pixel ({}, {}): {}", what, count,
         image.values.size(), image.values[first], pixel % width, pixel / width, expected));
+}
+
+void require_weights(const Image& mask, const std::string& what) {
+    require_finite(mask, what);
+    if (mask.values.empty()) return;
+    const float least = *std::ranges::min_element(mask.values);
+    require(least >= 0,
+            fmt::format("{} holds {:f}, expected weights that are not negative", what, least));
 }
 
 }  // namespace burnish

@@ -23,6 +23,10 @@ void require_whole(const Image& image, const std::string& what);
 void require_finite(const Image& image, const std::string& what,
                     const std::string& expected = "expected finite ones");
 
+/// Throws InputError where a whole mask holds what is no weight: infinite or NaN, as require_finite
+/// says it, or negative.
+void require_weights(const Image& mask, const std::string& what);
+
 /// Throws InputError where a photograph's images are not whole, or not of one size and as many
 /// channels as they have.
 void require_whole(const Photograph& photograph);

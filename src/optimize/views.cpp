@@ -58,10 +58,7 @@ void check_picture(const View& view, const Renderer& renderer) {
     require_whole(view.image, "the target image");
     if (view.mask.width != 0) {
         require_whole(view.mask, "the mask");
-        require_finite(view.mask, "the mask");
-        const float least = *std::ranges::min_element(view.mask.values);
-        require(least >= 0,
-                fmt::format("the mask holds {:f}, expected weights that are not negative", least));
+        require_weights(view.mask, "the mask");
     }
     if (is_finite(view.image)) return;
     const Image zeros = make_image(view.image.width, view.image.height, 3);

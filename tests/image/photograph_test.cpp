@@ -415,6 +415,22 @@ TEST_F(Photographs, MasksMultiplyInAnyOrder) {
     EXPECT_EQ(mask_of({gray, gray}), (Image{2, 1, 1, {0.25f, 1.0f}}));
 }
 
+/// Their means would weigh colours with both signs.
+TEST_F(Photographs, MasksOfWhatIsNoWeightAreRefused) {
+    constexpr float kInfinity = std::numeric_limits<float>::infinity();
+    Photograph p;
+    p.image = make_image(16, 8, 3, 0.5f);
+    for (const int channels : {1, 3})
+        for (const float wrong : {-0.1f, NAN, kInfinity, -kInfinity}) {
+            Image mask = make_image(16, 8, channels, 1.0f);
+            mask.values[37] = wrong;
+            EXPECT_THROW(add_mask(mask, p), InputError) << wrong;
+            EXPECT_EQ(p.mask.width, 0) << wrong;
+        }
+    add_mask(make_image(16, 8, 1, 0.0f), p);
+    EXPECT_EQ(p.mask, make_image(16, 8, 1, 0.0f));
+}
+
 TEST_F(Photographs, OfImagesThatDoNotFitAreRefused) {
     Photograph p;
     p.image = make_image(16, 8, 3);

@@ -185,3 +185,6 @@ def test_files(tmp_path, renderer):
     mask[:16] = False
     image, weights = burnish.read_photograph(tmp_path / "picture.exr", mask=mask)
     np.testing.assert_array_equal(weights[..., 0], mask)
+    for scale in (1, 0.5):
+        with pytest.raises(burnish.InputError, match="the mask holds -0.9"):
+            burnish.read_photograph(tmp_path / "picture.exr", mask=np.where(mask, 1, -0.9), scale=scale)
