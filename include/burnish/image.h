@@ -46,9 +46,9 @@ inline SharedImage share(Image image) { return std::make_shared<const Image>(std
 Image read_image(const std::string& file);
 
 /// Writes linear values by extension: .exr (32-bit float), .pfm, .png (8 bit, sRGB). The file
-/// appears whole or not at all. Throws InputError: another extension, an image without pixels or
-/// without one value for each channel, more than 4 channels, or alpha (2 or 4) in .pfm; OutputError
-/// where the file cannot be written.
+/// appears whole or not at all. Throws InputError: another extension, an image without pixels,
+/// larger than 32768 pixels a side or without one value for each channel, more than 4 channels, or
+/// alpha (2 or 4) in .pfm; OutputError where the file cannot be written.
 void write_image(const std::string& file, const Image& image);
 
 }  // namespace burnish

@@ -94,6 +94,10 @@ void check_writable(const std::filesystem::path& file, const Image& image) {
             "3 channels{}",
             file.string(), image.width, image.height, image.channels, image.values.size(),
             takes_alpha ? ", or 2 or 4 with alpha" : ""));
+    if (!is_side(image.width) || !is_side(image.height))
+        throw InputError(
+            fmt::format("{}: cannot write an image of {} x {} pixels, expected at most {} a side",
+                        file.string(), image.width, image.height, kMaxImageSide));
 }
 
 /// A format of pictures that is not read, told by the first bytes; null: none that is known.

@@ -8,6 +8,7 @@
 #include <cmath>
 #include <filesystem>
 #include <string>
+#include <utility>
 
 #include "burnish/error.h"
 #include "image/files.h"
@@ -361,6 +362,29 @@ TEST_F(ImageFiles, WritingIsAllOrNothing) {
     std::size_t files = 0;
     for (const auto& entry : fs::directory_iterator(folder)) files += entry.is_regular_file();
     EXPECT_EQ(files, 1u);
+}
+
+TEST_F(ImageFiles, WhatIsTooLargeToBeReadIsNotWritten) {
+    constexpr int kMost = kMaxImageSide;
+    for (const char* name : {"a.exr", "a.png", "a.pfm"}) {
+        const fs::path file = folder / name;
+        for (const auto& [width, height] : {std::pair{kMost + 1, 1}, std::pair{1, kMost + 1}}) {
+            try {
+                write_image(file, make_image(width, height, 1, 1.0f));
+                ADD_FAILURE() << name << " is written";
+            } catch (const InputError& e) {
+                EXPECT_NE(std::string(e.what()).find(file.string() + ": cannot write"),
+                          std::string::npos)
+                    << e.what();
+            }
+            EXPECT_TRUE(fs::is_empty(folder)) << name;
+        }
+        for (const Image& image : {make_image(kMost, 1, 1, 1.0f), make_image(1, kMost, 3, 1.0f)}) {
+            write_image(file, image);
+            expect_equal(read_image(file), image, 0);
+        }
+        fs::remove(file);
+    }
 }
 
 TEST_F(ImageFiles, SameImageSameBytes) {
