@@ -80,11 +80,16 @@ class ArchiveWriter {
     ByteSink sink_;
 };
 
+/// Whose bytes are read: the caller's, or those that an exchange gave.
+enum class BytesFrom { kInput, kExchange };
+
 class ArchiveReader {
   public:
-    /// what: in messages, "the state".
-    ArchiveReader(std::string what, std::uint64_t size, ByteSource source)
-        : what_(std::move(what)), size_(size), source_(std::move(source)) {}
+    /// what: in messages, "the state". What is wrong with the bytes is thrown as InputError, of an
+    /// exchange as Error.
+    ArchiveReader(std::string what, std::uint64_t size, ByteSource source,
+                  BytesFrom from = BytesFrom::kInput)
+        : what_(std::move(what)), size_(size), source_(std::move(source)), from_(from) {}
 
     template <class... T>
     void operator()(T&... values) {
@@ -97,8 +102,10 @@ class ArchiveReader {
         read_alternative(index, v);
     }
     [[noreturn]] void fail(const std::string& found, const std::string& expected) const {
-        throw InputError(what_ + ", byte " + std::to_string(at_) + ": found " + found +
-                         ", expected " + expected);
+        const std::string message =
+            what_ + ", byte " + std::to_string(at_) + ": found " + found + ", expected " + expected;
+        if (from_ == BytesFrom::kExchange) throw Error(message);
+        throw InputError(message);
     }
     void require_end() const {
         if (left() > 0) fail(std::to_string(left()) + " bytes more", "the end");
@@ -161,6 +168,7 @@ class ArchiveReader {
     std::string what_;
     std::uint64_t size_, at_ = 0;
     ByteSource source_;
+    BytesFrom from_;
 };
 
 /// Writes into a text.

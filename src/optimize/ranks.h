@@ -87,9 +87,10 @@ std::vector<T> all_values(const Ranks& ranks, const T& value) {
     return values;
 }
 
-/// Reads values of a message of another rank.
+/// Reads values of a message of another rank. It throws Error where they are not in it.
 inline ArchiveReader reader_of(const std::string& message) {
-    return {"a message of another process", message.size(), source_of(message)};
+    return {"a message of another process", message.size(), source_of(message),
+            BytesFrom::kExchange};
 }
 
 /// Who gets what others have made.

@@ -4,6 +4,7 @@
 #include <fstream>
 #include <new>
 #include <stdexcept>
+#include <typeinfo>
 
 #include "burnish/checkpoint.h"
 #include "burnish/error.h"
@@ -228,6 +229,31 @@ TEST(Processes, MessagesThatWereNotSentAreRefused) {
     EXPECT_EQ(error(0), "an exchange gave an empty message, expected those that were sent");
     EXPECT_EQ(error(3), "an exchange gave a message of 2 bytes, expected 8");
     EXPECT_EQ(error(9), "");
+}
+
+/// An exchange is no input: nobody's file or number is to be corrected.
+TEST(Processes, MessagesThatHoldSomethingElseAreNoInput) {
+    const std::vector<std::vector<float>> sent{{1}, {2, 3}};
+    std::string right;
+    ArchiveWriter{sink_into(right)}(sent[1]);
+    const auto share_with_one_that_sends = [&](const std::string& message) {
+        const Ranks ranks{0, 2, [&](std::vector<std::string> messages) {
+                              return std::vector{messages[0], message};
+                          }};
+        std::vector<std::vector<float>> items{sent[0], {}};
+        share(ranks, {0, 1}, Recipient::kAll, items);
+        return items;
+    };
+    EXPECT_EQ(share_with_one_that_sends(right), sent);
+    for (const std::string& message : {std::string(), right.substr(0, 5), right.substr(0, 12),
+                                       right + '\0', std::string(right.size(), '\xff')}) {
+        try {
+            share_with_one_that_sends(message);
+            ADD_FAILURE() << "it is read";
+        } catch (const Error& e) {
+            EXPECT_TRUE(typeid(e) == typeid(Error)) << e.what();
+        }
+    }
 }
 
 TEST(Processes, WhatEndsWritingEndsAll) {
