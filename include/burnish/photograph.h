@@ -50,7 +50,8 @@ struct Photograph {
                                           ///< numbers, and it has no profile
     bool is_gray = false;                 ///< R = G = B everywhere
     bool has_alpha = false;               ///< the file has
-    std::size_t clipped_pixels = 0;       ///< of the file, with a mask above 0
+    std::size_t clipped_pixels = 0;       ///< with a mask above 0: of the file, and where
+                                          ///< `add_mask` counts them again, of `image`
     std::size_t negative_pixels = 0;      ///< of the file, with a value below 0
     int file_width = 0;                   ///< of the file, turned as `image` is; `scaled` keeps it
     int file_height = 0;                  ///< likewise
