@@ -183,7 +183,8 @@ void bind_summary(nb::module_& m) {
                   "The recovered textures, {name: [height, width, channels]}, linear, in [0, 1].");
     c.def_prop_ro("starts", textures_of<&RecoveredTexture::start>,
                   nb::sig((std::string("def starts") + kTexturesSignature).c_str()),
-                  "Where the run started.");
+                  "The starts of the unknowns, given or searched; also of a run that went on from "
+                  "a state, which began at the state's textures.");
     c.def_prop_ro("coverage", textures_of<&RecoveredTexture::coverage>,
                   nb::sig((std::string("def coverage") + kTexturesSignature).c_str()),
                   "The share of the iterations for which samples had visited each texel, "
@@ -218,7 +219,8 @@ void bind_summary(nb::module_& m) {
     c.def_prop_ro(
         "start", [](const PythonSummary& s) -> const Evaluation& { return s.values.start; },
         nb::rv_policy::reference_internal,
-        "Of the textures where the run began, with few samples.");
+        "Of the textures where the run began, starts or those of the state that was given, with "
+        "few samples.");
     c.def_prop_ro(
         "result", [](const PythonSummary& s) -> const Evaluation& { return s.values.result; },
         nb::rv_policy::reference_internal, "Of the textures.");

@@ -172,7 +172,9 @@ double loss_without_noise(const ViewEvaluation& evaluation);
 struct RecoveredTexture {
     std::string name = {};  ///< Mitsuba's, of the parameter
     Image values = {};      ///< [height, width, channels], linear, in [0, 1]
-    Image start = {};       ///< of the same size: where the run started
+    /// Of the same size: the start of the unknown, given or searched; also of a run that goes on
+    /// from a state, which begins at the state's textures.
+    Image start = {};
     /// The share of the iterations for which samples had visited each texel, [height, width, 1].
     Image coverage = {};
     /// How surely each texel is known, 0 to 1, [height, width, 1]: the signal-to-noise gate of its
@@ -294,9 +296,9 @@ struct Summary {
     std::vector<SearchedGroup> searched = {};        ///< empty where nothing was
     double search_effort = 1;                        ///< see Options::search_effort
     std::vector<SearchedAgain> searched_again = {};  ///< see Options::search_again
-    /// Of the textures where the run began, with few samples; where the noise floor is not known
-    /// its loss is that of noisier images than `result`'s. Without views where the run was
-    /// suspended.
+    /// Of the textures where the run began, the starts of the unknowns or the textures of the state
+    /// that was given, with few samples; where the noise floor is not known its loss is that of
+    /// noisier images than `result`'s. Without views where the run was suspended.
     Evaluation start = {};
     Evaluation result = {};  ///< of `textures`; without views where the run was suspended
     State state = {};  ///< from which the run can go on; of several processes: each from its own
