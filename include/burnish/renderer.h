@@ -32,7 +32,8 @@ struct SceneSettings {
     bool ignore_unsupported = false;  ///< goes on without what is not supported; Renderer::warnings
                                       ///< say what was left out
     /// Constants of materials that become textures of their value, so that they can be recovered:
-    /// "mat.metallic" a single texel, "mat.metallic:512" or "mat.metallic:512x256" that many.
+    /// "mat.metallic" a single texel, "mat.metallic:512" or "mat.metallic:512x256" that many. What
+    /// is a bitmap already may be named, too, with no other size than its own.
     std::vector<std::string> constants = {};
 };
 
@@ -60,8 +61,8 @@ class Renderer {
   public:
     /// Reads a Mitsuba 3 scene file and all that it names. Throws InputError: a file that is
     /// missing or damaged, or what is not supported, with file:line:column; a definition that the
-    /// file does not use; a film that is too large; a constant that is none, is several or cannot
-    /// become such a texture. ResourceError: no memory for the ray structure.
+    /// file does not use; a film that is too large; a constant that is no parameter, is several or
+    /// cannot become such a texture. ResourceError: no memory for the ray structure.
     static Renderer load(const std::string& file, const SceneSettings& settings = {});
 
     /// For the library's own use; not null.

@@ -66,7 +66,8 @@ Address parse_address(const std::string& text, const Address& missing) {
     if (bracket != std::string::npos && address.host.starts_with('['))
         address.host = text.substr(1, bracket - 1);
     if (address.host.empty()) address.host = missing.host;
-    if (!is_port(address.port) || address.host.find_first_of("[]/ ") != std::string::npos)
+    if (text.empty() || !is_port(address.port) ||
+        address.host.find_first_of("[]/ ") != std::string::npos)
         throw InputError("found '" + text + "', expected HOST:PORT");
     return address;
 }

@@ -76,7 +76,8 @@ ReplacedTextures replace_textures(const Scene& scene, const TextureValues& value
 }
 
 Renderer Renderer::load(const std::string& file, const SceneSettings& settings) {
-    if (std::max(settings.width, settings.height) > kMaxImageSide)
+    if (std::min(settings.width, settings.height) > 0 &&
+        std::max(settings.width, settings.height) > kMaxImageSide)
         throw InputError(fmt::format("the film has {} x {} pixels: expected at most {} a side",
                                      settings.width, settings.height, kMaxImageSide));
     LoadOptions options;

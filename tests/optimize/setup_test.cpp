@@ -176,6 +176,9 @@ TEST(Setup, RefusesFilmsThatAreTooLarge) {
         return Renderer::load("none.xml", {.width = width, .height = height});
     };
     EXPECT_NE(test::error_of([&] { load(32769, 1); }).find("at most 32768"), std::string::npos);
+    for (const int none : {0, -1})  // the scene's size is taken
+        EXPECT_EQ(test::error_of([&] { load(32769, none); }).find("at most 32768"),
+                  std::string::npos);
 }
 
 TEST(Setup, RefusesAnAdjointOfAnotherShapeThanTheImage) {
