@@ -250,6 +250,10 @@ std::vector<Unknown> to_unknowns(nb::handle unknowns) {
     std::vector<Unknown> all;
     if (nb::isinstance<nb::str>(unknowns) || nb::isinstance<Unknown>(unknowns))
         all.push_back(to_unknown(unknowns));
+    else if (nb::hasattr(unknowns, "items"))  // its values would be lost
+        throw type_error("unknowns: found " + type_of(unknowns) +
+                         ", expected names or Unknowns; a start is that of Unknown(name, "
+                         "start=...)");
     else if (!nb::hasattr(unknowns, "__iter__"))
         throw type_error("unknowns: expected names or Unknowns, found " + repr_of(unknowns));
     else

@@ -200,6 +200,9 @@ std::vector<std::string> names_to_differentiate(const Renderer& renderer, nb::ha
     std::vector<std::string> all;
     if (nb::isinstance<nb::str>(names))
         all.push_back(text_of(names));
+    else if (nb::hasattr(names, "items"))  // its values would be lost
+        throw type_error("parameters: found " + type_of(names) +
+                         ", expected names of parameters; values are those of textures={...}");
     else if (!nb::hasattr(names, "__iter__"))
         throw type_error("parameters: expected names of parameters, found " + repr_of(names));
     else

@@ -75,6 +75,16 @@ def test_odd_numbers_and_texts_have_a_sentence(renderer, target, problem):
             burnish.Problem(renderer, target, NAME, ranks=ranks)
 
 
+def test_values_in_the_place_of_names_are_refused(renderer, target, problem):
+    found = burnish.solve(problem, iterations=1, evaluation_spp=2).textures
+    for values in ({NAME: 0.9}, {}, found, renderer.parameters):
+        with pytest.raises(TypeError, match=r"^unknowns: found \w+, expected names or Unknowns; .* Unknown\(name, start=\.\.\.\)$"):
+            burnish.Problem(renderer, target, values)
+        with pytest.raises(TypeError, match=r"^parameters: found \w+, expected names of parameters; .* textures=\{\.\.\.\}$"):
+            renderer.gradient(target, values, spp=1)
+    assert list(renderer.gradient(target, {NAME: 0.9}.keys(), spp=1)) == [NAME]
+
+
 def test_misspelled_options_are_guessed(problem):
     for call in (burnish.solve, burnish.Solver):
         with pytest.raises(TypeError, match="did you mean 'iterations'"):
