@@ -174,7 +174,8 @@ Renderer load(nb::handle path, const std::optional<std::pair<int, int>>& size,
 }
 
 nb::object render(const Renderer& renderer, nb::handle textures, nb::handle spp, nb::handle seed) {
-    const std::uint32_t samples = to_count(spp, "spp", 1), number = to_count(seed, "seed", 0);
+    const std::uint32_t samples = to_count(spp, "spp", 1, kMaxSamplesPerPixel),
+                        number = to_count(seed, "seed", 0);
     return to_array(compute([renderer, samples, number,
                              values = to_textures(textures, renderer)](const Flag& is_abandoned) {
         return renderer.render(samples, number, values, progress_of(is_abandoned));

@@ -7,6 +7,8 @@ from typing import SupportsIndex
 
 from ._core import InputError, Renderer
 
+MAX_PICTURE_SPP = 2**20  # of Renderer.render; gradients may have more
+
 
 def check_kinds(renderer: object, textures: object) -> None:
     """Of the arguments that are mixed up most easily. Throws TypeError."""
@@ -16,16 +18,16 @@ def check_kinds(renderer: object, textures: object) -> None:
         raise TypeError(f"textures: expected a mapping from names, found {type(textures).__name__}")
 
 
-def whole_number(name: str, value: SupportsIndex, low: int) -> int:
-    """A whole number from low on, as the renderer takes it. Throws TypeError and InputError."""
-    expected = f"{name}: expected a whole number from {low} to 4294967295, found "
+def whole_number(name: str, value: SupportsIndex, low: int, high: int = 2**32 - 1) -> int:
+    """A whole number from low to high, as the renderer takes it. Throws TypeError and InputError."""
+    expected = f"{name}: expected a whole number from {low} to {high}, found "
     try:
         number = operator.index(value)
     except TypeError:
         raise TypeError(f"{expected}{value!r}") from None
     if isinstance(value, bool):
         raise TypeError(f"{expected}{value!r}")
-    if not low <= number < 2**32:
+    if not low <= number <= high:
         raise InputError(f"{expected}{number}")
     return number
 

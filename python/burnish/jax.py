@@ -15,7 +15,7 @@ import numpy as np
 import numpy.typing as npt
 from jax.custom_derivatives import SymbolicZero
 
-from ._checks import check_kinds, full_shape, whole_number
+from ._checks import MAX_PICTURE_SPP, check_kinds, full_shape, whole_number
 from ._core import InputError, Renderer
 
 __all__ = ["render"]
@@ -139,7 +139,7 @@ def render(
     check_kinds(renderer, textures)
     _check_names(renderer, textures)
     arrays = {name: _full(renderer, name, jnp.asarray(t)) for name, t in textures.items()}
-    samples = whole_number("spp", spp, 1)
+    samples = whole_number("spp", spp, 1, MAX_PICTURE_SPP)
     own = samples if gradient_spp is None else whole_number("gradient_spp", gradient_spp, 1)
     picture: jax.Array = _render(renderer, samples, own, arrays, _checked(seed))
     return picture

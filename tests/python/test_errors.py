@@ -67,6 +67,9 @@ def test_odd_numbers_and_texts_have_a_sentence(renderer, target, problem):
             call()
     with pytest.raises(burnish.InputError, match="spp: expected a whole number from 2 to 1048576, found 1048577"):
         burnish.Solver(problem, pyramid_levels=1).evaluate(2**20 + 1)
+    for spp in (0, 2**20 + 1, 2**40):
+        with pytest.raises(burnish.InputError, match=f"^spp: expected a whole number from 1 to 1048576, found {spp}$"):
+            renderer.render(spp=spp)
     assert "\ud800" not in renderer.parameters
     with pytest.raises(TypeError, match="has no option"):
         burnish.Solver(problem, **{"\ud800": 1})

@@ -159,6 +159,9 @@ def test_what_does_not_fit_is_said(renderer, torch):
     for options, name in [({"spp": 0}, "spp"), ({"spp": 1, "gradient_spp": 0}, "gradient_spp"), ({"spp": 1, "seed": -1}, "seed")]:
         with pytest.raises(burnish.InputError, match=f"^{name}: expected a whole number from [01] to "):
             burnish.torch.render(renderer, {NAME: texels}, **options)
+    for spp in (0, 2**20 + 1):
+        with pytest.raises(burnish.InputError, match=f"^spp: expected a whole number from 1 to 1048576, found {spp}$"):
+            burnish.torch.render(renderer, {NAME: texels}, spp=spp)
     with pytest.raises(TypeError, match="^gradient_spp: expected a whole number from 1 "):
         burnish.torch.render(renderer, {NAME: texels}, spp=1, gradient_spp=1.5)
     with pytest.raises(TypeError, match="^textures: expected a mapping from names, found Tensor"):
