@@ -13,6 +13,10 @@ DLPack, goes in.
 
 from collections.abc import Mapping as _Mapping
 
+from ._interpreter import check_interpreter as _check_interpreter
+
+_check_interpreter()  # before _core is imported
+
 from ._core import (
     Camera,
     Capture,

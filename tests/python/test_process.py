@@ -1,6 +1,7 @@
 """Threads, signals, memory, the end of the interpreter."""
 import ctypes
 import gc
+import importlib.util
 import os
 import subprocess
 import sys
@@ -26,6 +27,27 @@ def test_the_import_is_light(scene):
     code = "import sys, burnish; assert not {'numpy', 'torch', 'mitsuba', 'IPython'} & set(sys.modules), sys.modules.keys()"
     done = run(code, scene)
     assert done.returncode == 0, done.stderr
+
+
+def test_a_sub_interpreter_is_refused_and_takes_nothing_from_the_first(scene):
+    name = next((n for n in ("_interpreters", "_xxsubinterpreters") if importlib.util.find_spec(n)), None)
+    if not name:
+        pytest.skip("this Python has no sub-interpreters")
+    code = f"import sys; sys.path = {sys.path}\ntry: import burnish\nexcept ImportError as error: print(error, flush=True)"
+    done = run(f"""
+        import {name} as interpreters
+        import burnish, sys
+        renderer = burnish.load(sys.argv[1], size=(8, 8))
+        for _ in range(2):
+            interpreters.run_string(interpreters.create(), {code!r})
+        assert renderer.render(spp=1).shape == (8, 8, 3)
+        try:
+            burnish.Camera(8, 8, 1).scaled(3)
+        except burnish.InputError:
+            print("as it was")
+    """, scene)
+    refused = "burnish is for the main interpreter of a process alone, found a sub-interpreter\n"
+    assert done.returncode == 0 and done.stdout == 2 * refused + "as it was\n" and not done.stderr, done.stdout + done.stderr
 
 
 @pytest.mark.parametrize("name", ["render", "encode_png"])
