@@ -107,7 +107,9 @@ void bind_lens(nb::module_& m) {
             [](Lens* self, const std::string& kind, const std::vector<double>& coefficients) {
                 new (self) Lens(make_lens(kind, coefficients));
             },
-            nb::arg("kind") = "pinhole", nb::arg("coefficients") = std::vector<double>{})
+            nb::arg("kind") = "pinhole", nb::arg("coefficients") = std::vector<double>{},
+            nb::sig("def __init__(self, kind: str = 'pinhole', coefficients: "
+                    "numpy.typing.ArrayLike = []) -> None"))
         .def_prop_ro("kind", [](const Lens& l) { return name_of(l.kind); })
         .def_prop_ro("coefficients", coefficients_of,
                      nb::sig("def coefficients(self) -> tuple[float, ...]"),

@@ -58,17 +58,11 @@ nb::object texture_or(const Parameters& p, const std::string& name, nb::object o
     }
 }
 
-nb::list values_of(const Parameters& p) {
-    nb::list values;
-    for (const ParameterInfo& info : p.infos) values.append(texture_of(p, info.name));
-    return values;
-}
-
-nb::list items_of(const Parameters& p) {
-    nb::list items;
-    for (const ParameterInfo& info : p.infos)
-        items.append(nb::make_tuple(info.name, texture_of(p, info.name)));
-    return items;
+/// What `type` of collections.abc shows of a mapping, as that module's Mapping does.
+auto shown_as(const char* type) {
+    return [type](nb::handle self) -> nb::object {
+        return nb::module_::import_("collections.abc").attr(type)(self);
+    };
 }
 
 nb::tuple shape_of(const ParameterInfo& i) { return nb::make_tuple(i.height, i.width, i.channels); }
@@ -89,7 +83,9 @@ void bind_parameters(nb::module_& m) {
     nb::class_<Parameters>(m, "Parameters",
                            "The textures of a scene by the name of their parameter: a mapping of "
                            "names to arrays [height, width, channels].\nIt takes Mitsuba's names "
-                           "and any short form that means one texture.")
+                           "and any short form that means one texture.",
+                           nb::sig("class Parameters(collections.abc.Mapping[str, "
+                                   "numpy.typing.NDArray[numpy.float32]])"))
         .def("__getitem__", texture_of, nb::arg("name"),
              nb::sig("def __getitem__(self, name: str, /) -> numpy.typing.NDArray[numpy.float32]"))
         .def("__len__", [](const Parameters& p) { return p.infos.size(); })
@@ -106,14 +102,17 @@ void bind_parameters(nb::module_& m) {
                      return false;
                  }
              })
-        .def("keys", names_of, nb::sig("def keys(self) -> list[str]"))
-        .def("values", values_of,
-             nb::sig("def values(self) -> list[numpy.typing.NDArray[numpy.float32]]"))
+        .def("keys", shown_as("KeysView"),
+             nb::sig("def keys(self) -> collections.abc.KeysView[str]"))
+        .def("values", shown_as("ValuesView"),
+             nb::sig("def values(self) -> "
+                     "collections.abc.ValuesView[numpy.typing.NDArray[numpy.float32]]"))
         .def("get", texture_or, nb::arg("name"), nb::arg("default") = nb::none(),
-             nb::sig("def get(self, name: str, default: object = None, /) -> "
+             nb::sig("def get(self, name: str, /, default: object = None) -> "
                      "typing.Any"))
-        .def("items", items_of,
-             nb::sig("def items(self) -> list[tuple[str, numpy.typing.NDArray[numpy.float32]]]"))
+        .def("items", shown_as("ItemsView"),
+             nb::sig("def items(self) -> "
+                     "collections.abc.ItemsView[str, numpy.typing.NDArray[numpy.float32]]"))
         .def_prop_ro("shapes", shapes_of,
                      nb::sig("def shapes(self) -> dict[str, tuple[int, int, int]]"),
                      "(height, width, channels) of each.")

@@ -86,7 +86,9 @@ def test_examples_are_typed():
 def test_types_allow_what_the_module_takes(tmp_path):
     file = tmp_path / "typed.py"
     file.write_text("""
+from collections.abc import Mapping
 import numpy as np
+import numpy.typing as npt
 import burnish
 renderer = burnish.load("scene.xml")
 image = renderer.render(renderer.parameters)
@@ -100,6 +102,9 @@ burnish.Problem(renderer, capture.views, "mat.roughness")
 view = capture.views[0]
 burnish.View(image, lighting=None, exposure=view.exposure)
 burnish.Lens("fisheye", burnish.Lens("fisheye").coefficients)
+burnish.Lens("fisheye", np.array([0.1, 0.2]))
+textures: Mapping[str, npt.NDArray[np.float32]] = renderer.parameters
+print(textures.keys() & {"mat.roughness"}, [t.shape for t in textures.values()], dict(textures.items()), textures.get("mat.roughness"))
 burnish.Lighting(view.lighting.emitters)
 unknown = burnish.Unknown("mat.roughness")
 burnish.Unknown(unknown.name, unknown.start, unknown.learning_rate)

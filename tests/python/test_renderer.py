@@ -26,6 +26,8 @@ def test_parameters_are_a_mapping_of_names_to_arrays(renderer):
     with pytest.raises(KeyError, match="nothing"):
         parameters["nothing"]
     assert isinstance(parameters, collections.abc.Mapping) and len(parameters.values()) == len(parameters)
+    assert parameters.keys() & {full, "nothing"} == {full} and list(parameters.keys()) == list(parameters) == [n for n, _ in parameters.items()]
+    assert [t.shape for t in parameters.values()] == list(parameters.shapes.values())
     np.testing.assert_array_equal(parameters.get(NAME), texture)
     assert parameters.get("nothing") is None and parameters.get("nothing", 3) == 3
     assert full in repr(burnish.show(parameters))
