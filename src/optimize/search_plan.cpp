@@ -39,7 +39,7 @@ SearchGroup make_group(const Scene& scene, const SearchPlan& plan,
     for (const std::size_t m : members)
         if (plan.colors[m] && !colored) colored = m;
     g.gray = colored && bitmap(*colored).channels == 1;
-    std::ranges::stable_partition(members, std::not_fn(is_uniform));
+    std::stable_partition(members.begin(), members.end(), std::not_fn(is_uniform));
     if (colored)
         g.color = static_cast<std::size_t>(std::ranges::find(members, *colored) - members.begin());
     for (const std::size_t m : members) g.uniform.push_back(is_uniform(m));

@@ -1,6 +1,7 @@
 #include "paths/layers.h"
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cmath>
 
@@ -13,9 +14,9 @@ namespace {
 /// Uniform in [0, 1): a hash of the ray. level: of a blend within blends.
 float number_of(const LayeredPoint& p, std::uint32_t level) {
     const auto bits = [](float x) { return std::bit_cast<std::uint32_t>(x); };
-    const auto first =
-        philox4x32({bits(p.direction.x), bits(p.direction.y), bits(p.direction.z), level},
-                   {bits(p.origin.x), bits(p.origin.y)});
+    const std::array<std::uint32_t, 4> direction{bits(p.direction.x), bits(p.direction.y),
+                                                 bits(p.direction.z), level};
+    const auto first = philox4x32(direction, {bits(p.origin.x), bits(p.origin.y)});
     return to_unit_float(philox4x32(first, {bits(p.origin.z), level})[0]);
 }
 
