@@ -16,6 +16,7 @@
 #include "cli/optimize_run.h"
 #include "cli/option_text.h"
 #include "cli/run_checkpoints.h"
+#include "cli/same_settings.h"
 #include "core/stopwatch.h"
 #include "optimize/ranks.h"
 
@@ -98,6 +99,7 @@ Failure run_job(const BatchJob& job, std::size_t count, const Ranks& ranks) {
 void run_batch(const BatchOptions& options, const Ranks& ranks) {
     const Slice slice = parse_slice(options.slice);
     std::vector<BatchJob> all = read_jobs(options.file);
+    require_same_jobs(all, options.slice, ranks);
     const std::size_t count = all.size();
     const std::vector<BatchJob> part = slice_of(std::move(all), slice);
     ExitCode first = kDone;

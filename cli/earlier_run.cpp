@@ -1,9 +1,7 @@
 #include "cli/earlier_run.h"
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
-#include <algorithm>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
@@ -33,25 +31,12 @@ double number_in(const nlohmann::json& result, const char* name) {
     return result.contains(name) && result[name].is_number() ? result[name].get<double>() : NAN;
 }
 
-/// Empty: the setting has no effect, or no value.
-std::vector<std::string> values_of(const std::string& name, const std::vector<SettingText>& all) {
-    const auto setting =
-        std::ranges::find_if(all, [&](const SettingText& s) { return s.info->name == name; });
-    return setting == all.end() ? std::vector<std::string>() : setting->values;
-}
-
 std::string first_difference(const Settings& before, const Settings& now) {
-    const auto text = [](const std::vector<std::string>& values) {
-        return values.empty() ? "none" : fmt::format("{}", fmt::join(values, ", "));
-    };
-    const std::vector<SettingText> earlier = recorded_settings(before),
-                                   later = recorded_settings(now);
-    for (const Setting& s : all_settings()) {
-        const std::string name = s.info.name;
-        const auto old = values_of(name, earlier), anew = values_of(name, later);
-        if (name != "run.max_memory" && old != anew)
-            return fmt::format("{}: {}, now {}", name, text(old), text(anew));
-    }
+    const std::vector<std::string> old = setting_texts(before), anew = setting_texts(now);
+    for (std::size_t i = 0; i < old.size(); ++i)
+        if (const std::string name = all_settings()[i].info.name;
+            name != "run.max_memory" && old[i] != anew[i])
+            return fmt::format("{}: {}, now {}", name, old[i], anew[i]);
     return {};
 }
 

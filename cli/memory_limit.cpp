@@ -23,7 +23,7 @@ constexpr double kBytesPerGib = 0x1p30;
 /// Where nothing is said, by the machine of the first process.
 double memory_limit(const RunResult& run) {
     const auto& asked = run.settings.run.max_memory;
-    return asked ? *asked * kBytesPerGib : agree(run.ranks, physical_memory() / 2);
+    return agree(run.ranks, asked ? *asked * kBytesPerGib : physical_memory() / 2);
 }
 
 Theta initial_theta(const RunResult& run) {

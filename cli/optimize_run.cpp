@@ -19,6 +19,7 @@
 #include "cli/run_checkpoints.h"
 #include "cli/run_evidence.h"
 #include "cli/run_views.h"
+#include "cli/same_settings.h"
 #include "cli/scene_input.h"
 #include "cli/solve_run.h"
 #include "cli/target_textures.h"
@@ -317,12 +318,14 @@ void go_on(const std::string& folder, const std::vector<Given>& changes, const S
               resumed_settings(folder, recorded, changes), ranks};
     if (asked)
         for (Settings* own : {&task.settings, &task.asked}) take_process(asked->run, own->run);
+    require_same_settings(task.settings, ranks);
     run_task(task, std::move(output), std::move(from));
 }
 
 }  // namespace
 
 void begin_run(const Settings& settings, const Ranks& ranks) {
+    require_same_settings(settings, ranks);
     require_recordable(settings);
     const Found allowed = settings.run.force ? Found::kAllowed : Found::kRefused;
     run_task({settings, settings, ranks}, open_together(settings.run.output, allowed, ranks), {});

@@ -1,5 +1,8 @@
 #include "cli/settings.h"
 
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
 #include <algorithm>
 
 #include "burnish/error.h"
@@ -239,6 +242,19 @@ std::vector<SettingText> recorded_settings(const Settings& settings) {
         const Options& holder =
             has_effect(row, settings.options) ? settings.options : *settings.compared;
         texts.push_back({&row.info, false, {get_option(row, holder)}});
+    }
+    return texts;
+}
+
+std::vector<std::string> setting_texts(const Settings& settings) {
+    const std::vector<SettingText> recorded = recorded_settings(settings);
+    std::vector<std::string> texts;
+    for (const Setting& s : all_settings()) {
+        const auto own = std::ranges::find_if(recorded, [&](const SettingText& r) {
+            return std::string_view(r.info->name) == s.info.name;
+        });
+        texts.push_back(own == recorded.end() ? "none"
+                                              : fmt::format("{}", fmt::join(own->values, ", ")));
     }
     return texts;
 }

@@ -110,5 +110,7 @@ struct SettingText {
 };
 /// All that repeats the run: settings that have an effect, defaults included.
 std::vector<SettingText> recorded_settings(const Settings& settings);
+/// The values of all_settings(), in their order: "none" of those that are not recorded.
+std::vector<std::string> setting_texts(const Settings& settings);
 
 }  // namespace burnish

@@ -61,7 +61,65 @@ TEST_F(Mpi, ProcessesThatReadDifferentCheckpointsAreRefused) {
         shell(mpirun(1) + resume + ": -n 1 -wdir other '" BURNISH_MPI_BINARY "' " + resume);
     EXPECT_NE(outcome.code, 0) << outcome.err;
     EXPECT_TRUE(contains(outcome.err, "expected the same: the state after ")) << outcome.err;
+    const Outcome longer =
+        shell(mpirun(1) + resume +
+              ": -n 1 '" BURNISH_MPI_BINARY "' optimize --threads 1 --iterations 2 --resume out");
+    EXPECT_EQ(longer.code, 65) << longer.err;
+    EXPECT_TRUE(contains(longer.err, "expected the same: stop.iterations: 2, on process 0 1"))
+        << longer.err;
     EXPECT_FALSE(fs::exists(folder / "out/summary.json"));
+}
+
+/// Process 1 runs in a folder of its own, where the file of the options is another.
+TEST_F(Mpi, ProcessesThatReadDifferentSettingsAreRefused) {
+    const std::string shared = R"({"stop.iterations": 2)";
+    write_text(folder / "options.json", shared + "}");
+    link_into_other({"options.json"});
+    const std::string line = quick("--options options.json -o out", 2),
+                      together =
+                          mpirun(1) + line + ": -n 1 -wdir other '" BURNISH_MPI_BINARY "' " + line;
+    for (const auto& [own, said] :
+         {std::pair(R"("run.compare": "mc")", "run.compare: mc, on process 0 none"),
+          std::pair(R"("run.max_memory": 4)", "run.max_memory: 4, on process 0 auto"),
+          std::pair(R"("seed": 3)", "seed: 3, on process 0 0")}) {
+        write_text(folder / "other/options.json", shared + ", " + own + "}");
+        const Outcome outcome = shell(together);
+        EXPECT_EQ(outcome.code, 65) << outcome.err;
+        EXPECT_TRUE(contains(
+            outcome.err,
+            std::string("process 1 has other settings than process 0, expected the same: ") + said))
+            << outcome.err;
+        EXPECT_FALSE(fs::exists(folder / "out"));
+    }
+    write_text(folder / "other/options.json", shared + R"(, "run.checkpoint_seconds": 5})");
+    EXPECT_EQ(shell(together).code, 0) << read_text(folder / ".err");
+}
+
+/// Process 1 runs in a folder of its own, where the list is another.
+TEST_F(Mpi, ProcessesThatReadDifferentJobsAreRefused) {
+    const auto list = [](const std::string& jobs) {
+        return R"({"options": {"problem.parameters": ["roughness"], "batch": 2,
+            "stop.iterations": 1}, "jobs": [)" +
+               jobs + "]}";
+    };
+    const auto job = [](const char* output, int seed) {
+        return fmt::format(
+            R"({{"output": "{}", "options": {{"scene.file": "capture.json", "seed": {}}}}})",
+            output, seed);
+    };
+    write_text(folder / "jobs.json", list(job("a", 1) + "," + job("b", 1)));
+    link_into_other({"jobs.json"});
+    for (const auto& [own, said] :
+         {std::pair(job("a", 1), "the number of jobs: 1, on process 0 2"),
+          std::pair(job("a", 1) + "," + job("b", 2), "jobs[1]: seed: 2, on process 0 1"),
+          std::pair(job("a", 1) + "," + job("c", 1), "jobs[1].output: c, on process 0 b")}) {
+        write_text(folder / "other/jobs.json", list(own));
+        const Outcome outcome = shell(mpirun(1) + "batch jobs.json : -n 1 -wdir other '" +
+                                      BURNISH_MPI_BINARY + "' batch jobs.json");
+        EXPECT_EQ(outcome.code, 65) << outcome.err;
+        EXPECT_TRUE(contains(outcome.err, said)) << outcome.err;
+        EXPECT_FALSE(fs::exists(folder / "a"));
+    }
 }
 
 /// Process 1 runs in a folder of its own, which lacks a file.
