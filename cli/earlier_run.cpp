@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "burnish/error.h"
+#include "cli/console.h"
 #include "cli/folder_content.h"
 #include "cli/options_file.h"
 #include "optimize/checkpoint.h"
@@ -29,6 +30,12 @@ bool has_ended(const nlohmann::json& result) {
 
 double number_in(const nlohmann::json& result, const char* name) {
     return result.contains(name) && result[name].is_number() ? result[name].get<double>() : NAN;
+}
+
+std::size_t count_in(const nlohmann::json& result, const char* name) {
+    return result.contains(name) && result[name].is_number_unsigned()
+               ? result[name].get<std::size_t>()
+               : 0;
 }
 
 std::string first_difference(const Settings& before, const Settings& now) {
@@ -69,9 +76,9 @@ std::string result_text(const std::string& folder) {
     const nlohmann::json summary = summary_in(folder);
     if (summary.is_null()) return {};
     const nlohmann::json& result = summary["result"];
-    return fmt::format(
-        "loss {:.4g} -> {:.4g}, {:.0f} iterations", number_in(result, "initial_loss"),
-        number_in(result, "final_loss_without_noise"), number_in(result, "iterations"));
+    return fmt::format("loss {:.4g} -> {:.4g}, {}", number_in(result, "initial_loss"),
+                       number_in(result, "final_loss_without_noise"),
+                       count_text(count_in(result, "iterations"), "iteration"));
 }
 
 }  // namespace burnish

@@ -111,7 +111,9 @@ TEST_F(Batch, ADoneJobStaysDoneUnderAnotherLimitOfMemoryAndWithNewOptions) {
     ASSERT_EQ(run("batch jobs.json").code, 0) << read_text(folder / ".err");
     write_jobs(R"({"output": "out/a", "options": {"stop.iterations": 1, "run.max_memory": 8}})");
     const auto said = [&] { return run("batch jobs.json").out; };
-    EXPECT_TRUE(contains(said(), "out/a: was done before"));
+    const std::string done = said();
+    EXPECT_TRUE(contains(done, "out/a: was done before") && contains(done, ", 1 iteration\n"))
+        << done;
     nlohmann::json summary = summary_of("out/a");
     ASSERT_EQ(summary["asked"].erase("seed"), 1u);
     write_text(folder / "out/a/summary.json", summary.dump());
@@ -240,6 +242,23 @@ TEST_F(Batch, ASignalBeforeAJobsIterationsEndsTheBatchAsOthersDo) {
         << error;
     EXPECT_TRUE(fs::exists(folder / "out/a/summary.json"));
     EXPECT_FALSE(fs::exists(folder / "out/b"));
+}
+
+/// Its target renders for a while, its evaluation for longer than the test.
+TEST_F(Batch, ASignalBeforeTheIterationsOfAJobThatGoesOnEndsTheBatchAsOthersDo) {
+    write_jobs(R"({"output": "out/stopped", "options": {"stop.iterations": 1,
+                   "problem.target_samples": 16384, "evaluation_samples": 1048576}})");
+    stop_at_a_checkpoint();
+    const pid_t pid = start("batch jobs.json");
+    EXPECT_TRUE(wait_for_error_text("going on after"));
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+    kill(pid, SIGTERM);
+    const int status = end_of(pid);
+    const std::string error = read_text(folder / ".err");
+    EXPECT_TRUE(WIFEXITED(status) && WEXITSTATUS(status) == 75) << status << error;
+    EXPECT_TRUE(contains(error, "the batch was stopped: the same command goes on with it"))
+        << error;
+    EXPECT_FALSE(contains(error, "--resume")) << error;
 }
 
 /// A file takes the place of the folder that the checkpoint goes to.
