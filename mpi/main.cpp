@@ -72,6 +72,34 @@ void warn_of_idle_cores() {
                      used, all, used == 1 ? "is" : "are", own);
 }
 
+/// A number in the environment, `unset` where there is none.
+int number_in(const char* variable, int unset) {
+    const char* text = std::getenv(variable);
+    return text ? std::atoi(text) : unset;
+}
+
+/// A launcher that speaks another protocol than this MPI library starts processes of which each is
+/// the only one of its job. The first launcher that has left its number of processes has started
+/// this one: OpenMPI's may have been started by others.
+void warn_of_strangers() {
+    constexpr const char* kLaunchers[][2] = {{"OMPI_COMM_WORLD_SIZE", "OMPI_COMM_WORLD_RANK"},
+                                             {"PMI_SIZE", "PMI_RANK"},
+                                             {"SLURM_STEP_NUM_TASKS", "SLURM_PROCID"}};
+    int processes = 0;
+    MPI_Comm_size(MPI_COMM_WORLD, &processes);
+    for (const auto& [size, rank] : kLaunchers) {
+        const int started = number_in(size, 0);
+        if (started < 1) continue;
+        if (processes == 1 && started > 1 && number_in(rank, 0) == 0)
+            std::fprintf(stderr,
+                         "burnish: warning: the launcher has started %d processes (%s) that do not "
+                         "know of each other: expected that of the MPI library which burnish-mpi "
+                         "is built with, as its mpirun, or `srun --mpi=pmix`\n",
+                         started, size);
+        return;
+    }
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -81,6 +109,7 @@ int main(int argc, char** argv) {
         int provided = 0;
         MPI_Init_thread(&argc, &argv, MPI_THREAD_FUNNELED, &provided);
         MPI_Comm_dup(MPI_COMM_WORLD, &leaving);
+        warn_of_strangers();
         warn_of_idle_cores();
         return burnish::ranks_of(MPI_COMM_WORLD);
     };

@@ -25,6 +25,18 @@ TEST_F(Mpi, CoresThatTheLauncherLeavesIdleAreSaid) {
     EXPECT_FALSE(contains(unbound.err, "is bound to")) << unbound.err;
 }
 
+TEST_F(Mpi, ProcessesThatDoNotKnowOfEachOtherAreSaid) {
+    const std::string version = " '" BURNISH_MPI_BINARY "' --version",
+                      warning = "2 processes (PMI_SIZE) that do not know of each other";
+    const Outcome strange = shell("env PMI_SIZE=2" + version);
+    EXPECT_EQ(strange.code, 0) << strange.err;
+    EXPECT_EQ(count_of(warning, strange.err), 1u) << strange.err;
+    EXPECT_EQ(shell("env PMI_SIZE=2 PMI_RANK=1" + version).err, "") << "process 0 says it";
+    EXPECT_EQ(shell("env PMI_SIZE=1" + version).err, "");
+    const std::string line = "'" BURNISH_MPIEXEC "' -n 2 env PMI_SIZE=2";
+    EXPECT_FALSE(contains(shell(line + version).err, "know of each other"));
+}
+
 TEST_F(Mpi, AnyNumberOfProcessesMakesTheBytesOfTheProgram) {
     ASSERT_EQ(run(quick("-o alone")).code, 0) << read_text(folder / ".err");
     for (const int count : {1, 2, 3, 7}) {
