@@ -20,13 +20,24 @@ const CLI::App& chosen(const CLI::App& app) {
     return named.empty() ? app : *named.front();
 }
 
-std::vector<std::string> known_names(const CLI::App& command) {
+bool is_option(const std::string& name) { return name.starts_with('-'); }
+
+/// The commands, where there are any and no option was meant; otherwise the options.
+std::vector<std::string> known_names(const CLI::App& command, const std::string& meant) {
     std::vector<std::string> known;
-    for (const CLI::App* other : commands_of(command)) known.push_back(other->get_name());
+    if (!is_option(meant))
+        for (const CLI::App* other : commands_of(command)) known.push_back(other->get_name());
     if (!known.empty()) return known;
     for (const CLI::Option* option : command.get_options())
         for (const std::string& name : option->get_lnames()) known.push_back("--" + name);
     return known;
+}
+
+/// Whether an option of the command that was named stands before it.
+bool stands_before_command(const CLI::App& app, const std::string& name) {
+    const CLI::App& command = chosen(app);
+    return &command != &app && !app.remaining(false).empty() && is_option(name) &&
+           command.get_option_no_throw(name) != nullptr;
 }
 
 /// The first argument that is not known, and what may have been meant.
@@ -34,13 +45,16 @@ std::string unexpected_text(const CLI::App& app) {
     const std::vector<std::string> extras = app.remaining(true);
     if (extras.empty()) return "an argument is not known";
     const std::string name = extras.front().substr(0, extras.front().find('='));
+    if (stands_before_command(app, name))
+        return fmt::format("{}: found before the command, expected behind `{}`", name,
+                           command_path(app));
     const CLI::App& command = chosen(app);
     const char* kind = "argument";
-    if (!commands_of(command).empty())
-        kind = "command";
-    else if (name.starts_with('-'))
+    if (is_option(name))
         kind = "option";
-    const std::string nearest = nearest_name(name, known_names(command));
+    else if (!commands_of(command).empty())
+        kind = "command";
+    const std::string nearest = nearest_name(name, known_names(command, name));
     return fmt::format("'{}' is no {} of {}{}", name, kind, command_path(app),
                        nearest.empty() ? "" : ": did you mean " + nearest + "?");
 }
