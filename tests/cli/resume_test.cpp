@@ -326,5 +326,27 @@ TEST_F(Resume, ALinkInTheFolderIsRefused) {
     EXPECT_TRUE(fs::is_empty(folder / "elsewhere"));
 }
 
+/// Root may read everywhere, but does not come to the end of a link to itself.
+TEST_F(Resume, CheckpointsThatCannotBeReadAreNotNone) {
+    fs::create_directory(folder / "out");
+    const auto expect_said = [&](const std::string& why) {
+        expect_refused("optimize --resume out", 73, "out/checkpoints: cannot be read: " + why);
+        write_text(folder / "jobs.json",
+                   R"({"jobs": [{"output": "out", "arguments": ["scene.xml", "--parameter",
+                       "base_color"]}]})");
+        const Outcome batch = run("batch jobs.json");
+        EXPECT_EQ(batch.code, 73) << batch.err;
+        EXPECT_TRUE(contains(batch.out, "out/checkpoints: cannot be read: " + why)) << batch.out;
+    };
+    fs::create_directory_symlink("checkpoints", folder / "out/checkpoints");
+    expect_said("Too many levels of symbolic links");
+    if (geteuid() == 0) return;
+    fs::remove(folder / "out/checkpoints");
+    fs::create_directory(folder / "out/checkpoints");
+    fs::permissions(folder / "out/checkpoints", fs::perms::none);
+    expect_said("Permission denied");
+    fs::permissions(folder / "out/checkpoints", fs::perms::owner_all);
+}
+
 }  // namespace
 }  // namespace burnish
