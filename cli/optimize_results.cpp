@@ -20,6 +20,7 @@
 #include "image/image.h"
 #include "optimize/batch.h"
 #include "optimize/evaluation.h"
+#include "optimize/loss.h"
 #include "optimize/ranks.h"
 #include "render/renderer.h"
 
@@ -46,8 +47,9 @@ void log_long_phases(const RunResult& run) {
         all += pixels;
         if (run.sources[i].image.empty()) rendered += pixels;
     }
-    const double of_evaluation =
-        evaluation > 0 ? all * (start_samples(run.renderers.size()) + evaluation) : 0;
+    const std::uint32_t start =
+        is_unbiased(run.settings.options.loss) ? start_samples(run.renderers.size()) : evaluation;
+    const double of_evaluation = evaluation > 0 ? all * (start + evaluation) : 0;
     if (!is_first(run.ranks) || rendered * target + of_evaluation < kFew) return;
     const Renderer& first = run.renderers.front();
     const double seconds = seconds_of_a_pass(first.data().traced) / pixels_of(first);

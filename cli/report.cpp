@@ -16,6 +16,7 @@
 #include "cli/run_result.h"
 #include "core/joined.h"
 #include "image/quality.h"
+#include "optimize/loss.h"
 
 namespace burnish {
 
@@ -184,8 +185,10 @@ std::string chart_section(const RunResult& run) {
     }
     return html + fmt::format(
                       "</div>\n<p class=\"note\">Lines: the loss of each iteration's own image, "
-                      "with its noise. Dots: the start, without noise on average, and the result, "
-                      "with {} fresh samples per pixel.</p>\n",
+                      "with its noise. Dots: the start, {}, and the result, with {} fresh samples "
+                      "per pixel.</p>\n",
+                      is_unbiased(run.settings.options.loss) ? "without noise on average"
+                                                             : "with the noise of as many samples",
                       run.result.summary.result.samples_per_pixel);
 }
 

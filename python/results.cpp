@@ -211,8 +211,8 @@ void bind_summary(nb::module_& m) {
         "Of the search for the start.");
     c.def_prop_ro(
         "initial_loss", [](const PythonSummary& s) { return loss_without_noise(s.values.start); },
-        "Of start, without its noise floor where that is known: without noise on average, but with "
-        "'l1' and with a loss of your own.");
+        "Of start, without its noise floor where that is known: without noise on average. With "
+        "'l1' and with a loss of your own it holds the noise of as many samples as loss.");
     c.def_prop_ro(
         "loss", [](const PythonSummary& s) { return loss_without_noise(s.values.result); },
         "Of the result, to be compared with initial_loss.");
@@ -220,7 +220,7 @@ void bind_summary(nb::module_& m) {
         "start", [](const PythonSummary& s) -> const Evaluation& { return s.values.start; },
         nb::rv_policy::reference_internal,
         "Of the textures where the run began, starts or those of the state that was given, with "
-        "few samples.");
+        "few samples; with as many as the\nresult where its noise floor is not known.");
     c.def_prop_ro(
         "result", [](const PythonSummary& s) -> const Evaluation& { return s.values.result; },
         nb::rv_policy::reference_internal, "Of the textures.");

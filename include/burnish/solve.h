@@ -297,8 +297,8 @@ struct Summary {
     double search_effort = 1;                        ///< see Options::search_effort
     std::vector<SearchedAgain> searched_again = {};  ///< see Options::search_again
     /// Of the textures where the run began, the starts of the unknowns or the textures of the state
-    /// that was given, with few samples; where the noise floor is not known its loss is that of
-    /// noisier images than `result`'s. Without views where the run was suspended.
+    /// that was given, with few samples; with as many as `result` where the noise floor is not
+    /// known, so that both losses hold noise alike. Without views where the run was suspended.
     Evaluation start = {};
     Evaluation result = {};  ///< of `textures`; without views where the run was suspended
     State state = {};  ///< from which the run can go on; of several processes: each from its own

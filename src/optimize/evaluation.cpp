@@ -130,14 +130,17 @@ std::uint32_t result_samples(double visited, double pixels) {
         std::clamp(std::max(kOfVisit * visited, kMinOfAll) / pixels, 2.0, kMaxSamples));
 }
 
-Evaluation evaluate_result(const Setup& setup, const Theta& theta, std::size_t iterations,
-                           const Progress& progress) {
+std::uint32_t result_samples(const Setup& setup, std::size_t iterations) {
     const std::uint32_t asked = setup.options.evaluation_samples;
-    if (asked > 0) return evaluate(setup, theta, std::max(2u, asked), kResult, progress);
+    if (asked > 0) return std::max(2u, asked);
     double all = 0;
     for (const Renderer& view : setup.views) all += pixels_of(view);
-    const double visited = static_cast<double>(iterations) * pixels_of_iteration(setup);
-    return evaluate(setup, theta, result_samples(visited, all), kResult, progress);
+    return result_samples(static_cast<double>(iterations) * pixels_of_iteration(setup), all);
+}
+
+Evaluation evaluate_result(const Setup& setup, const Theta& theta, std::uint32_t samples,
+                           const Progress& progress) {
+    return evaluate(setup, theta, samples, kResult, progress);
 }
 
 double check_loss(const Setup& setup, const Theta& theta) {
@@ -165,8 +168,11 @@ std::uint32_t start_samples(std::size_t views) {
         std::clamp<std::size_t>(kSamples * kViews / views, 2, kSamples));
 }
 
-Evaluation evaluate_start(const Setup& setup, const Theta& start, const Progress& progress) {
-    return evaluate(setup, start, start_samples(setup.views.size()), kStart, progress);
+Evaluation evaluate_start(const Setup& setup, const Theta& start, std::uint32_t of_result,
+                          const Progress& progress) {
+    const std::uint32_t samples =
+        is_noise_known(setup) ? start_samples(setup.views.size()) : of_result;
+    return evaluate(setup, start, samples, kStart, progress);
 }
 
 }  // namespace burnish

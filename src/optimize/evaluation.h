@@ -38,19 +38,24 @@ Evaluation evaluate(const Setup& setup, const Theta& theta, std::uint32_t sample
 /// are more. visited: pixels of all iterations. pixels: of all views; at least 1.
 std::uint32_t result_samples(double visited, double pixels);
 
-/// Of the result of so many iterations.
-Evaluation evaluate_result(const Setup& setup, const Theta& theta, std::size_t iterations,
+/// Of the result of so many iterations, per pixel: as many as are asked for, at least 2, or those.
+std::uint32_t result_samples(const Setup& setup, std::size_t iterations);
+
+/// Of the result. samples: of result_samples.
+Evaluation evaluate_result(const Setup& setup, const Theta& theta, std::uint32_t samples,
                            const Progress& progress);
 
 /// The loss of textures without noise on average, with the same samples each time, so that most of
 /// their noise is no difference between two times.
 double check_loss(const Setup& setup, const Theta& theta);
 
-/// Of the start of so many views, per pixel: all together as many as eight views take with eight
-/// each, or two for each.
+/// Of the start of so many views, per pixel, where it is known what noise adds to the loss: all
+/// together as many as eight views take with eight each, or two for each.
 std::uint32_t start_samples(std::size_t views);
 
-/// Of the start.
-Evaluation evaluate_start(const Setup& setup, const Theta& start, const Progress& progress);
+/// Of the start. of_result: the samples of the result, which the start has, too, where it is not
+/// known what noise adds to the loss: then the noise of equally many is in both.
+Evaluation evaluate_start(const Setup& setup, const Theta& start, std::uint32_t of_result,
+                          const Progress& progress);
 
 }  // namespace burnish

@@ -224,10 +224,12 @@ Ending iterate_until_end(const Callback& callback, Solver& solver, Summary& summ
 /// start: where the run began.
 void evaluate_textures(Solver::Impl& run, const Theta& start, const StageProgress& progress,
                        Summary& summary) {
-    summary.start = evaluate_start(run.setup, start, stage_of(progress, "rendering the start"));
+    const std::uint32_t samples = result_samples(run.setup, summary.counts.iterations);
+    summary.start =
+        evaluate_start(run.setup, start, samples, stage_of(progress, "rendering the start"));
     Theta theta = take_theta(run.setup, summary.textures);
-    summary.result = evaluate_result(run.setup, theta, summary.counts.iterations,
-                                     stage_of(progress, "evaluating the result"));
+    summary.result =
+        evaluate_result(run.setup, theta, samples, stage_of(progress, "evaluating the result"));
     for (std::size_t i = 0; i < summary.textures.size(); ++i)
         summary.textures[i].values = std::move(theta.textures[i].values);
 }

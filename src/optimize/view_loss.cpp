@@ -77,10 +77,13 @@ double held_out_loss(const Setup& setup, std::size_t view, const Image& a, const
                           v.mask);
 }
 
+bool is_noise_known(const Setup& setup) {
+    return !setup.problem.loss && is_unbiased(setup.options.loss);
+}
+
 double noise_floor(const Setup& setup, std::size_t view, const ExposureFactors& exposure,
                    const Image& a, const Image& b) {
-    if (setup.problem.loss || !is_unbiased(setup.options.loss))
-        return std::numeric_limits<double>::quiet_NaN();
+    if (!is_noise_known(setup)) return std::numeric_limits<double>::quiet_NaN();
     // These losses are quadratic in I - G: the noise alone, put on top of the target.
     const View& v = setup.problem.views[view];
     Image noisy = v.image;

@@ -434,5 +434,32 @@ TEST(Evaluation, SamplesOfTheStartFallWithTheNumberOfViews) {
     EXPECT_EQ(start_samples(1000), 2u);
 }
 
+/// Where it is not known what noise adds to the loss, start and result hold the noise of equally
+/// many samples: textures that stay as they are have nearly the same loss.
+TEST(Evaluation, WhereNoiseIsNotKnownTheStartHasTheSamplesOfTheResult) {
+    Problem problem = test::problem_of(test::make_small_scene());
+    for (Unknown& u : problem.unknowns) u.learning_rate = 0;  // that of the options: nothing moves
+    problem.views[0].image = problem.renderer.render(1024, 1);
+    Options options = test::gradient_options(MonteCarlo{4, 1, false});
+    options.stop.iterations = 1, options.unvisited = Unvisited::kKeep;
+    const auto samples = [&] {
+        const Summary s = solve(problem, options);
+        return std::array{s.start.samples_per_pixel, s.result.samples_per_pixel};
+    };
+    EXPECT_EQ(samples(), (std::array{8u, 256u})) << "relMSE is compared without noise";
+    problem.loss = [&](const Image& image, std::size_t) {
+        return evaluate_loss(Loss::kL1, image, problem.views[0].image, {});
+    };
+    EXPECT_EQ(samples(), (std::array{256u, 256u})) << "a loss of one's own";
+    problem.loss = {};
+    options.loss = Loss::kL1;
+    const Summary s = solve(problem, options);
+    EXPECT_EQ(s.start.samples_per_pixel, 256u);
+    EXPECT_GT(s.result.loss, s.start.loss / 1.5) << "256 samples have a fifth of the noise of 8";
+    EXPECT_LT(s.result.loss, s.start.loss * 1.5);
+    options.evaluation_samples = 32;
+    EXPECT_EQ(samples(), (std::array{32u, 32u})) << "as many as are asked for";
+}
+
 }  // namespace
 }  // namespace burnish
