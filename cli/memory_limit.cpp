@@ -70,8 +70,9 @@ MemoryEstimate plan_cache(const RunViews& views, std::span<const PathCachePlan> 
     if (left < std::max(least, 1.0))
         throw ResourceError(fmt::format(
             "the scene, its images, textures and fresh samples take about {}, one pass in each "
-            "half of the path cache up to {}: expected --max-memory above both together, found {}",
-            bytes_text(others), bytes_text(least), bytes_text(limit)));
+            "half of the path cache up to {}: expected {} or more, found {}",
+            bytes_text(others), bytes_text(least),
+            limit_text(fixed + std::min(fresh + least, 2 * least)), bytes_text(limit)));
     if (are_fewer)
         log_warning(
             fmt::format("path_cache.max_bytes is {}, of which the run can use {}, the limit of the "
@@ -108,9 +109,9 @@ MemoryEstimate plan_run(const RunViews& views, const Theta& theta, double limit,
     const MemoryEstimate memory =
         estimate_memory(options.estimator, views, plans, theta, options.seed, options.batch);
     if (run.settings.run.max_memory && maximum(memory) > limit)
-        throw ResourceError(
-            fmt::format("the run takes {}: expected --max-memory above that, found {}",
-                        memory_text(memory), bytes_text(limit)));
+        throw ResourceError(fmt::format("the run takes {}: expected {} or more, found {}",
+                                        memory_text(memory), limit_text(maximum(memory)),
+                                        bytes_text(limit)));
     return memory;
 }
 
@@ -126,7 +127,9 @@ void plan_memory(RunViews views, RunResult& run) {
     run.memory = plan_run(views, theta, limit, run.settings.options, run);
     if (!run.settings.compared) return;
     const MemoryEstimate other = plan_run(views, theta, limit, *run.settings.compared, run);
+    const double most = std::max(maximum(run.memory), maximum(other));
     if (expected(other) > expected(run.memory)) run.memory = other;
+    if (most > maximum(run.memory)) run.memory.max_records = most - without_records(run.memory);
 }
 
 }  // namespace burnish

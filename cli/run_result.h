@@ -81,7 +81,7 @@ struct RunResult {
     Traffic traffic;                    ///< of this one
     std::vector<std::string> warnings;  ///< of the loader
     std::vector<Input> files;           ///< that it has read
-    MemoryEstimate memory;              ///< of the run that takes more
+    MemoryEstimate memory;              ///< of the run that takes more; at most: what either may
     std::string kept_text;              ///< what the first path cache keeps; empty: there is none
     std::size_t seeing_pixels = 0;      ///< of its views: those that can see an unknown
     std::vector<TargetTexture> textures;
