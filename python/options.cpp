@@ -142,12 +142,14 @@ void require_effect(const Keyword& keyword, const Options& options, const Python
 
 void warn_without_effect(const Options& options, const PythonProblem& p) {
     const Scene& scene = p.problem.renderer.data().scene();
-    std::vector<TextureId> searched;
-    for (const Unknown& u : p.problem.unknowns)
-        if (is_searched(p, u)) searched.push_back(find_texture(scene, u.name));
+    UnknownTextures unknowns;
+    for (const Unknown& u : p.problem.unknowns) {
+        unknowns.all.push_back(find_texture(scene, u.name));
+        if (is_searched(p, u)) unknowns.searched.push_back(unknowns.all.back());
+    }
     const auto fitted = static_cast<std::size_t>(
         std::ranges::count_if(p.problem.views, [](const View& v) { return !v.held_out; }));
-    for (const std::string& sentence : options_without_effect(options, scene, searched, fitted))
+    for (const std::string& sentence : options_without_effect(options, scene, unknowns, fitted))
         if (PyErr_WarnEx(PyExc_UserWarning, sentence.c_str(), 1) != 0) nb::raise_python_error();
 }
 

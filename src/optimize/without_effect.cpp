@@ -2,7 +2,10 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <span>
 #include <utility>
+#include <variant>
 
 #include "core/variant.h"
 #include "gradient/estimator.h"
@@ -28,15 +31,34 @@ std::string samples_without_effect(const Estimator& estimator) {
                        most, cache.samples);
 }
 
+/// A texture of one texel has one level, which does not decay.
+std::vector<std::string> levels_without_effect(const Options& options, const Scene& scene,
+                                               std::span<const TextureId> unknowns) {
+    const auto is_one_texel = [&](TextureId id) {
+        const auto& bitmap = std::get<Bitmap>(scene[id]);
+        return bitmap.width == 1 && bitmap.height == 1;
+    };
+    std::vector<std::string> sentences;
+    if (options.parameterization != Parameterization::kPyramid ||
+        !std::ranges::all_of(unknowns, is_one_texel))
+        return sentences;
+    const auto say = [&](const char* name) {
+        sentences.push_back(fmt::format("{} has no effect: every unknown is one texel", name));
+    };
+    if (options.pyramid.levels != Pyramid{}.levels) say("pyramid.levels");
+    if (options.pyramid.weight_decay != Pyramid{}.weight_decay) say("pyramid.weight_decay");
+    return sentences;
+}
+
 }  // namespace
 
 std::vector<std::string> options_without_effect(const Options& options, const Scene& scene,
-                                                std::span<const TextureId> searched,
+                                                const UnknownTextures& unknowns,
                                                 std::size_t fitted) {
-    std::vector<std::string> sentences;
+    std::vector<std::string> sentences = levels_without_effect(options, scene, unknowns.all);
     if (std::string text = samples_without_effect(options.estimator); !text.empty())
         sentences.push_back(std::move(text));
-    if (options.search_again > 0 && !may_search_again(scene, searched))
+    if (options.search_again > 0 && !may_search_again(scene, unknowns.searched))
         sentences.push_back(
             "search_again has no effect: it needs a texture, not a constant, whose start is "
             "searched and whose material has no colour or constant that is searched");

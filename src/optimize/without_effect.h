@@ -1,7 +1,6 @@
 // Options that have no effect beside the values of others, the scene or the views.
 #pragma once
 
-#include <span>
 #include <string>
 #include <vector>
 
@@ -10,10 +9,14 @@
 
 namespace burnish {
 
-/// A sentence of each one. searched: the textures whose start is searched; fitted: how many views
-/// are.
+/// The textures of a run.
+struct UnknownTextures {
+    std::vector<TextureId> all, searched;  ///< and those of them whose start is searched
+};
+
+/// A sentence of each one. fitted: how many views are.
 std::vector<std::string> options_without_effect(const Options& options, const Scene& scene,
-                                                std::span<const TextureId> searched,
+                                                const UnknownTextures& unknowns,
                                                 std::size_t fitted);
 
 }  // namespace burnish

@@ -37,6 +37,14 @@ TEST_F(WithoutEffect, IsWarnedOf) {
                          "monte_carlo.image_window: found 5"))
         << image.err;
 
+    const Outcome compared =
+        run(samples + "--set batch=3 --compare mc --set monte_carlo.image_window=2 -o compared");
+    EXPECT_TRUE(contains(compared.err, "monte_carlo.image_samples has no effect above 4"))
+        << compared.err;
+    const std::size_t once = compared.err.find("batch has no effect");
+    EXPECT_NE(once, std::string::npos) << compared.err;
+    EXPECT_EQ(once, compared.err.rfind("batch has no effect")) << "of both runs";
+
     const Outcome none = run(command + "-o none");
     ASSERT_EQ(none.code, 0) << none.err;
     EXPECT_FALSE(contains(none.err, "no effect")) << none.err;

@@ -103,6 +103,22 @@ TEST(Setup, ABatchOfAllViewsHasAnEffect) {
     EXPECT_EQ(options_without_effect(options, scene, {}, 2).size(), 1u);
 }
 
+TEST(Setup, APyramidOfOneTexelHasOneLevel) {
+    Scene scene = test::make_small_scene();
+    const TextureId texture = scene.parameters[0].texture;
+    Options options;
+    options.pyramid.levels = 3, options.pyramid.weight_decay = 2;
+    EXPECT_TRUE(options_without_effect(options, scene, {{texture}, {}}, 1).empty());
+    auto& bitmap = std::get<Bitmap>(scene[texture]);
+    bitmap.width = bitmap.height = 1;
+    EXPECT_EQ(options_without_effect(options, scene, {{texture}, {}}, 1).size(), 2u);
+    options.parameterization = Parameterization::kTexels;
+    EXPECT_TRUE(options_without_effect(options, scene, {{texture}, {}}, 1).empty());
+    options.parameterization = Parameterization::kPyramid;
+    options.pyramid = {};
+    EXPECT_TRUE(options_without_effect(options, scene, {{texture}, {}}, 1).empty());
+}
+
 /// Expects that a change of a good problem is refused.
 template <class Change>
 void expect_refused(const char* what, const Change& change) {
