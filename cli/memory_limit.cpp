@@ -83,7 +83,6 @@ MemoryEstimate plan_cache(const RunViews& views, std::span<const PathCachePlan> 
     return estimate_memory(cache, views, plans, theta, options.seed, options.batch);
 }
 
-/// "two halves of up to 32 passes".
 std::string kept_text(const PathCache& cache, std::span<const PathCachePlan> plans) {
     const ViewShare share = share_memory(cache, plans);
     if (!share.keeps_records) return "the records of one view at a time";
@@ -91,7 +90,7 @@ std::string kept_text(const PathCache& cache, std::span<const PathCachePlan> pla
     for (const PathCachePlan& plan : plans)
         window =
             std::min(window, within(plan, std::get<PathCache>(share.estimator).max_bytes).window);
-    return fmt::format("two halves of up to {} passes", window);
+    return halves_text(window);
 }
 
 /// What the first path cache keeps goes to the run, too.

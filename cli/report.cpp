@@ -48,12 +48,21 @@ std::string other_text(const RunResult& run, const std::string& number) {
 std::string kept_text(const RunResult& run, const PathCache& cache) {
     return fmt::format("{}, {} fresh samples in an iteration", run.kept_text, cache.samples);
 }
-std::string kept_text(const RunResult&, const Reservoirs& r) {
-    if (!r.reuse) return "no history";
-    return fmt::format("{} shift, confidence cap {:g}",
-                       r.shift == Shift::kReplay ? "replay" : "identity", r.confidence_cap);
+/// history: empty where there is none. window: of the kept image; 0: it is of fresh samples alone.
+std::string kept_text(const std::string& history, std::uint32_t window) {
+    if (window == 0) return history.empty() ? "no history" : history;
+    const std::string image = "an image of " + halves_text(window);
+    return history.empty() ? image : history + "; " + image;
 }
-std::string kept_text(const RunResult&, const MonteCarlo&) { return "no history"; }
+std::string kept_text(const RunResult&, const Reservoirs& r) {
+    const std::string history =
+        fmt::format("{} shift, confidence cap {:g}",
+                    r.shift == Shift::kReplay ? "replay" : "identity", r.confidence_cap);
+    return kept_text(r.reuse ? history : "", r.image_window);
+}
+std::string kept_text(const RunResult&, const MonteCarlo& o) {
+    return kept_text("", o.image_window);
+}
 
 std::string tiles(const RunResult& run) {
     const Summary& s = run.result.summary;

@@ -22,6 +22,10 @@ std::string error_text(double error, int decimals) {
     return std::isfinite(error) ? fmt::format("{:.{}f}", error, decimals) : "not known";
 }
 
+std::string halves_text(std::uint32_t window) {
+    return "two halves of up to " + count_text(window, "pass", "passes");
+}
+
 std::string values_text(const Image& texels) {
     return fmt::format("{:.4g}", fmt::join(texels.values, ", "));
 }

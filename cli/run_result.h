@@ -59,6 +59,9 @@ inline bool is_one_value(const Image& texels) { return texels.width == 1 && texe
 /// The double whose decimal digits are the few of a float, for JSON.
 inline double few_digits(float x) { return *parsed<double>(fmt::format("{}", x)); }
 
+/// What a window of passes keeps: "two halves of up to 32 passes".
+std::string halves_text(std::uint32_t window);
+
 /// "0.9", or "0.7, 0.4, 0.2".
 std::string values_text(const Image& texels);
 

@@ -927,6 +927,22 @@ TEST_F(CommandLine, TheReportSpeaksOfWhatItShows) {
     EXPECT_FALSE(contains(plain, "kept ones"));
 }
 
+TEST_F(CommandLine, TheReportSaysWhatAnEstimatorKeeps) {
+    write_scene();
+    const auto report = [&](const std::string& options) {
+        const Outcome outcome = run(std::string(kQuick) + "--iterations 1 --force " + options);
+        EXPECT_EQ(outcome.code, 0) << outcome.err;
+        return read_text(folder / "out/report.html");
+    };
+    const std::string mc = "-o out --estimator mc ", gris = "-o out --estimator gris ";
+    EXPECT_TRUE(contains(report(mc), "<span>no history</span>"));
+    EXPECT_TRUE(contains(report(mc + "--set monte_carlo.image_window=1"),
+                         "<span>an image of two halves of up to 1 pass</span>"));
+    const std::string reservoirs = report(gris + "--set reservoirs.image_window=3");
+    EXPECT_TRUE(contains(reservoirs, "; an image of two halves of up to 3 passes</span>"));
+    EXPECT_TRUE(contains(reservoirs, "shift, confidence cap "));
+}
+
 TEST_F(CommandLine, TheReportIsHtml) {
     write_scene();
     ASSERT_EQ(
