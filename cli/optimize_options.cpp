@@ -213,9 +213,8 @@ void check_effects(const std::vector<Given>& from_file, const std::vector<Given>
 void require_one_or_each(const char* option, std::size_t count, std::size_t parameters) {
     if (count > 1 && count != parameters)
         throw UsageError(
-            fmt::format("{} is given {} times for {} parameters, expected once or "
-                        "once per parameter",
-                        option, count, parameters));
+            fmt::format("{} is given {} times for {}, expected once or once per parameter", option,
+                        count, count_text(parameters, "parameter")));
 }
 
 /// A scene that follows --live is not taken for one.

@@ -146,8 +146,8 @@ void log_start(const RunResult& run) {
         log_info(fmt::format("{} to fit, {} held out", count_text(fitted_count(run), "view"),
                              run.views.size() - fitted_count(run)));
     if (!run.kept_text.empty())
-        log_info(fmt::format("path cache: {} pixels can see an unknown; {}",
-                             count_text(run.seeing_pixels), run.kept_text));
+        log_info(fmt::format("path cache: {} can see an unknown; {}",
+                             count_text(run.seeing_pixels, "pixel"), run.kept_text));
     log_info("memory: " + memory_text(run.memory));
     log_idle(run, run.settings.options.estimator);
     log_info(fmt::format("optimising with {}; Ctrl-C ends early and keeps the results",

@@ -63,13 +63,18 @@ void warn_of_unseen(RunResult& run) {
         const std::vector<float>& coverage = run.result.summary.textures[i].coverage.values;
         return std::ranges::any_of(coverage, [](float share) { return share > 0; });
     };
+    const std::vector<SearchedGroup>& groups = run.result.summary.searched;
+    const bool is_alone = groups.size() == 1 && groups[0].unknowns.size() == 1;
     const auto is_unknown = [](const SearchedValues& v) { return v.regions == 0; };
-    for (const SearchedGroup& g : run.result.summary.searched)
-        if (std::ranges::all_of(g.tried, is_unknown) && std::ranges::any_of(g.unknowns, is_seen))
-            warn(fmt::format(
-                "no part of a picture shows {} without other textures that are "
-                "searched: the start is 0.5",
-                joined(g.unknowns, [&](std::size_t u) { return run.textures[u].name; })));
+    for (const SearchedGroup& g : groups)
+        if (std::ranges::all_of(g.tried, is_unknown) && std::ranges::any_of(g.unknowns, is_seen)) {
+            const std::string names =
+                joined(g.unknowns, [&](std::size_t u) { return run.textures[u].name; });
+            warn("no part of a picture " +
+                 (is_alone ? "tells where " + names + " starts"
+                           : "shows " + names + " without other textures that are searched") +
+                 ": the start is 0.5");
+        }
     for (std::size_t i = 0; i < run.textures.size(); ++i)
         if (!is_seen(i))
             warn("no light that a picture shows came from " + run.textures[i].name +

@@ -55,7 +55,12 @@ Settings repeatable_settings(const RunResult& run) {
     settings.options.evaluation_samples = run.result.summary.result.samples_per_pixel;
     if (!run.result.summary.searched.empty())
         settings.options.search_effort = run.result.summary.search_effort;
-    if (run.compared) settings.run.compare_iterations = run.compared->summary.counts.iterations;
+    if (run.compared) {
+        settings.run.compare_iterations = run.compared->summary.counts.iterations;
+    } else {  // ended before the second run
+        settings.run.compare.reset(), settings.compared.reset();
+        settings.run.compare_iterations = 0;
+    }
     return settings;
 }
 

@@ -22,8 +22,8 @@ namespace {
 std::vector<CapturedView> views_of_sensors(const RunSettings& run) {
     if (!run.targets.empty() && run.targets.size() != run.sensors.size())
         refuse_option("--target",
-                      fmt::format("{} for {} sensors: expected one after each --sensor, or none",
-                                  run.targets.size(), run.sensors.size()));
+                      fmt::format("{} for {}: expected one after each --sensor, or none",
+                                  run.targets.size(), count_text(run.sensors.size(), "sensor")));
     if (!run.mask.empty() && run.sensors.size() > 1)
         refuse_option("--mask",
                       "one for several sensors: expected a capture.json, which names the mask of "

@@ -747,7 +747,7 @@ TEST_F(CommandLine, BadInvocationsSayWhatIsWrong) {
         {"optimize scene.xml --parameter base_color --init 1.5 -o out", 65,
          "holds 1.5, expected values from 0 to 1"},
         {"optimize scene.xml --parameter base_color --init 0 --init 1 -o out", 2,
-         "--init is given 2 times for 1 parameters"},
+         "--init is given 2 times for 1 parameter,"},
         {"optimize scene.xml --parameter base_color --learning-rate 0 -o out", 2,
          "--learning-rate: expected a number above 0"},
         {"optimize scene.xml --parameter base_color --patience 0 -o out", 2,

@@ -5,6 +5,9 @@
 
 #include <string>
 #include <utility>
+#include <vector>
+
+#include "cli/run_evidence.h"
 
 namespace burnish {
 namespace {
@@ -64,6 +67,24 @@ TEST(ReportSearch, CountsInTheSingular) {
     EXPECT_EQ(unvisited_text(run, 0),
               "No sample of any view came to 1 texel that surfaces read, of 4 in all: it holds the "
               "start.");
+}
+
+/// Of one searched texture no other one is at fault.
+TEST(ReportSearch, WarnsOfOthersWhereThereAreOthers) {
+    SearchedGroup group;
+    group.tried = {{{0.5f}, 1, 0}};
+    RunResult run = searched_run(group);
+    RecoveredTexture seen;
+    seen.coverage = make_image(2, 2, 1, 1.0f);
+    run.result.summary.textures = {seen, seen};
+    warn_of_unseen(run);
+    run.result.summary.searched[0].unknowns = {0};
+    warn_of_unseen(run);
+    EXPECT_EQ(run.picture_warnings,
+              (std::vector<std::string>{"no part of a picture shows first, second without other "
+                                        "textures that are searched: the start is 0.5",
+                                        "no part of a picture tells where first starts: the start "
+                                        "is 0.5"}));
 }
 
 }  // namespace

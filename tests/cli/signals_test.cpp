@@ -221,6 +221,7 @@ TEST_F(Signals, ASecondRunThatWasNotBegunIsMadeLater) {
         << read_text(folder / ".err");
     const auto has_compared = [&] { return summary_of("out").contains("compared"); };
     EXPECT_FALSE(has_compared());
+    EXPECT_EQ(summary_of("out")["settings"]["run"]["compare"], "none") << "what repeats it";
     EXPECT_EQ(run("optimize --resume out").code, 0);
     EXPECT_TRUE(has_compared());
     EXPECT_FALSE(fs::exists(folder / "out/checkpoints"));
