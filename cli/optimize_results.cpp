@@ -47,8 +47,9 @@ void log_long_phases(const RunResult& run) {
         all += pixels;
         if (run.sources[i].image.empty()) rendered += pixels;
     }
-    const std::uint32_t start =
-        is_unbiased(run.settings.options.loss) ? start_samples(run.renderers.size()) : evaluation;
+    const std::uint32_t start = is_unbiased(run.settings.options.loss)
+                                    ? start_samples(run.renderers.size(), all)
+                                    : evaluation;
     const double of_evaluation = evaluation > 0 ? all * (start + evaluation) : 0;
     if (!is_first(run.ranks) || rendered * target + of_evaluation < kFew) return;
     const Renderer& first = run.renderers.front();

@@ -208,11 +208,14 @@ std::string weighted_text(double error) {
 
 TableRows number_rows(const RunResult& run, const EvaluatedRun& evaluated) {
     const Summary& s = evaluated.summary;
-    TableRows rows{{"loss at the start", significant_text(loss_without_noise(s.start), 6)},
-                   {"loss of the result", significant_text(loss_without_noise(s.result), 6)}};
-    if (std::isfinite(s.result.noise_floor))
-        rows.emplace_back("noise of its evaluation, taken off",
-                          significant_text(s.result.noise_floor, 6));
+    TableRows rows;
+    const auto add_loss = [&](const char* name, const char* noise, const Evaluation& e) {
+        rows.emplace_back(name, significant_text(loss_without_noise(e), 6));
+        if (std::isfinite(e.noise_floor))
+            rows.emplace_back(noise, significant_text(e.noise_floor, 6));
+    };
+    add_loss("loss at the start", "noise of the start, taken off", s.start);
+    add_loss("loss of the result", "noise of its evaluation, taken off", s.result);
     rows.emplace_back("iterations", std::to_string(s.counts.iterations));
     rows.emplace_back("optimisation", duration_text(s.seconds));
     rows.emplace_back("ended by", ended_by(s));

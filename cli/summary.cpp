@@ -55,6 +55,7 @@ Json run_json(const RunResult& run, const EvaluatedRun& evaluated) {
               {"initial_loss", loss_without_noise(s.start)},
               {"final_loss", s.result.loss},
               {"final_loss_without_noise", loss_without_noise(s.result)}};
+    if (std::isfinite(s.start.noise_floor)) json["initial_noise_floor"] = s.start.noise_floor;
     if (std::isfinite(s.result.noise_floor)) json["noise_floor"] = s.result.noise_floor;
     json["evaluation_samples"] = s.result.samples_per_pixel;
     if (!s.searched.empty()) json["search"] = search_json(run, s);
@@ -132,6 +133,7 @@ Json views_json(const RunResult& run) {
             json["picture"] = picture_json(run.sources[i].image, p);
         if (const std::string& file = run.sources[i].mask; !file.empty())
             json["mask"] = {{"file", file}, {"from", name_of(run.pictures.masks[i].source)}};
+        if (std::isfinite(start.noise_floor)) json["initial_noise_floor"] = start.noise_floor;
         if (std::isfinite(result.noise_floor)) json["noise_floor"] = result.noise_floor;
         if (std::isfinite(result.psnr)) json["psnr"] = result.psnr;
         if (const double ssim = run.similarities[i]; std::isfinite(ssim)) json["ssim"] = ssim;

@@ -162,16 +162,20 @@ double check_loss(const Setup& setup, const Theta& theta) {
     return sum / static_cast<double>(losses.size());
 }
 
-std::uint32_t start_samples(std::size_t views) {
-    constexpr std::size_t kSamples = 8, kViews = 8;
+std::uint32_t start_samples(std::size_t views, double pixels) {
+    constexpr double kSamples = 8, kViews = 8, kMinOfAll = 1 << 20, kMaxSamples = 64;
+    const double of_views =
+        std::clamp(kSamples * kViews / static_cast<double>(views), 2.0, kSamples);
     return static_cast<std::uint32_t>(
-        std::clamp<std::size_t>(kSamples * kViews / views, 2, kSamples));
+        std::max(of_views, std::clamp(kMinOfAll / pixels, 2.0, kMaxSamples)));
 }
 
 Evaluation evaluate_start(const Setup& setup, const Theta& start, std::uint32_t of_result,
                           const Progress& progress) {
+    double all = 0;
+    for (const Renderer& view : setup.views) all += pixels_of(view);
     const std::uint32_t samples =
-        is_noise_known(setup) ? start_samples(setup.views.size()) : of_result;
+        is_noise_known(setup) ? start_samples(setup.views.size(), all) : of_result;
     return evaluate(setup, start, samples, kStart, progress);
 }
 

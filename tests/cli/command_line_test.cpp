@@ -394,6 +394,8 @@ TEST_F(CommandLine, OptimizeSaysWhatThePictureSaysAboutATexture) {
     EXPECT_EQ(json["parameters"][0]["coverage"], name + "_coverage.exr");
     EXPECT_GT(json["result"]["noise_floor"], 0.0);
     EXPECT_LT(json["result"]["noise_floor"], json["result"]["initial_loss"]);
+    EXPECT_GT(json["result"]["initial_noise_floor"], 0.0);
+    EXPECT_EQ(json["views"][0]["initial_noise_floor"], json["result"]["initial_noise_floor"]);
     const auto image = [&](const std::string& run, const std::string& kind) {
         return read_image(folder / run / (name + kind + ".exr"));
     };
@@ -909,7 +911,7 @@ TEST_F(CommandLine, TheReportSpeaksOfWhatItShows) {
           "<b>Start</b> &middot; error ", "result of mc and truth",
           " <small>8 × 8 texels, RGB, shown sRGB-coded</small>",
           "<img class=\"small\" alt=\"Truth\"", "coverage: share of the iterations; confidence: ",
-          ">paths shaded, kept ones in every ", ">paths shaded<"})
+          ">paths shaded, kept ones in every ", ">paths shaded<", "noise of the start, taken off"})
         EXPECT_TRUE(contains(two, text)) << text;
     const auto count = [&](const std::string& text) {
         std::size_t found = 0;

@@ -428,10 +428,23 @@ TEST(Evaluation, SamplesOfTheResultFollowFromTheWork) {
 }
 
 TEST(Evaluation, SamplesOfTheStartFallWithTheNumberOfViews) {
-    EXPECT_EQ(start_samples(1), 8u);
-    EXPECT_EQ(start_samples(8), 8u);
-    EXPECT_EQ(start_samples(16), 4u);
-    EXPECT_EQ(start_samples(1000), 2u);
+    EXPECT_EQ(start_samples(1, 1e7), 8u);
+    EXPECT_EQ(start_samples(8, 1e7), 8u);
+    EXPECT_EQ(start_samples(16, 1e7), 4u);
+    EXPECT_EQ(start_samples(1000, 1e7), 2u);
+}
+
+TEST(Evaluation, SamplesOfTheStartGrowWhereAllPixelsAreFew) {
+    EXPECT_EQ(start_samples(1, 64 * 64), 64u) << "the most";
+    EXPECT_EQ(start_samples(17, 17 * 32 * 32), 60u) << "a million of all";
+    EXPECT_EQ(start_samples(1, 256 * 256), 16u);
+    EXPECT_EQ(start_samples(16, 512 * 512), 4u) << "as many as the views alone ask for";
+}
+
+TEST(Summary, TheStartOfSmallViewsTakesMoreSamples) {
+    Options options = test::gradient_options(MonteCarlo{1, 1, false});
+    options.stop.iterations = 1, options.evaluation_samples = 4;
+    EXPECT_EQ(solve(sky_problem(), options).start.samples_per_pixel, 64u);
 }
 
 /// Where it is not known what noise adds to the loss, start and result hold the noise of equally
