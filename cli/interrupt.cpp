@@ -129,8 +129,9 @@ bool interrupted_by_system() {
     return came == SIGTERM || came == SIGHUP || came == SIGXCPU;
 }
 
-void end_interrupted() {
+void end_interrupted(const std::string& without_hint) {
     const std::lock_guard lock(watch().mutex);
+    if (watch().on_disk == OnDisk::kNothing && !without_hint.empty()) log_info(without_hint);
     end_program(watch(), watch().came);
 }
 

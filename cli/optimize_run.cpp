@@ -150,8 +150,11 @@ void log_start(const RunResult& run) {
                              count_text(run.seeing_pixels, "pixel"), run.kept_text));
     log_info("memory: " + memory_text(run.memory));
     log_idle(run, run.settings.options.estimator);
-    log_info(fmt::format("optimising with {}; Ctrl-C ends early and keeps the results",
-                         name_of(run.settings.options.estimator)));
+    const auto searched =
+        std::ranges::count(run.textures, StartKind::kSearched, &TargetTexture::start_kind);
+    log_info(fmt::format("optimising with {}; Ctrl-C ends early and keeps the results{}",
+                         name_of(run.settings.options.estimator),
+                         searched > 0 && !run.goes_on ? ", once the start is found" : ""));
 }
 
 /// The descent of the first run and what its result is worth.

@@ -50,7 +50,7 @@ EvaluatedRun solve_with_progress(Problem problem, const Options& options,
                          callback, stages)
                  : solve(std::move(problem), options, checkpoints.options(), callback, stages);
     } catch (const Stopped&) {
-        end_interrupted();
+        end_interrupted("stopped while the start was searched: nothing of this run is kept");
     }
     if (run.summary.ending == Ending::kSuspended) checkpoints.suspend();
     if (shown) live.finish(*shown, run.summary);

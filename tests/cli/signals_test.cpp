@@ -125,6 +125,9 @@ TEST_F(Signals, InTheSearchForTheStartNothingIsLeft) {
         const int status = end_within(1, pid, signal);
         EXPECT_TRUE(WIFSIGNALED(status) && WTERMSIG(status) == signal) << status;
         EXPECT_FALSE(fs::exists(folder / "out"));
+        const std::string text = read_text(folder / ".err");
+        EXPECT_TRUE(contains(text, "keeps the results, once the start is found")) << text;
+        EXPECT_TRUE(contains(text, "searched: nothing of this run is kept")) << text;
         fs::remove(folder / ".err");
     }
 }
@@ -148,6 +151,7 @@ TEST_F(Signals, OneEndsTheIterationsAndKeepsTheResults) {
         kill(pid, SIGINT);
         const int status = end_of(pid);
         ASSERT_TRUE(WIFEXITED(status) && WEXITSTATUS(status) == 0) << read_text(folder / ".err");
+        EXPECT_FALSE(contains(read_text(folder / ".err"), "once the start is found"));
         const auto json = summary_of(out);
         EXPECT_EQ(json["result"]["ended_by"], "signal");
         const auto iterations = json["result"]["iterations"].get<std::ptrdiff_t>();
