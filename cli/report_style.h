@@ -31,7 +31,9 @@ h2 small { font-weight: 400; font-size: 14px; color: var(--soft); margin-left: 4
   gap: 18px; }
 .pictures.three { grid-template-columns: repeat(3, 1fr); }
 .pictures.four { grid-template-columns: repeat(4, 1fr); }
-@media (max-width: 860px) { .pictures.three, .pictures.four { grid-template-columns: 1fr 1fr; } }
+.pictures.view { grid-template-columns: repeat(3, minmax(0, 1fr)); }
+@media (max-width: 860px) { .pictures.three, .pictures.four { grid-template-columns: 1fr 1fr; }
+  .pictures.view { gap: 8px; } }
 figure { margin: 0; background: var(--card); border: 1px solid var(--rule); border-radius: 12px;
   overflow: hidden; }
 figure img { display: block; width: 100%; height: auto; background: #000; }
@@ -42,7 +44,8 @@ figcaption { padding: 9px 14px 11px; font-size: 13px; color: var(--soft); }
 figcaption b { color: var(--ink); font-weight: 600; }
 .key { display: flex; align-items: center; gap: 10px; margin: 12px 2px 0; font-size: 13px;
   color: var(--soft); }
-.key i { display: block; height: 10px; width: 220px; border-radius: 5px; }
+.key i { display: block; height: 10px; width: 220px; border-radius: 5px;
+  -webkit-print-color-adjust: exact; print-color-adjust: exact; }
 .charts { display: grid; grid-template-columns: repeat(auto-fit, minmax(min(520px, 100%), 1fr));
   gap: 18px; }
 .card { padding: 14px 16px; }
@@ -70,6 +73,9 @@ td + td { width: 28%; } thead td { font-weight: 600; }
 table.grid th, table.grid td { width: auto; overflow-wrap: normal; }
 table.grid th { white-space: nowrap; }
 h3 { font-size: 14px; margin: 0 0 6px; font-weight: 650; }
+figcaption, .note, header p, .key span { overflow-wrap: anywhere; }
+h2, h3 { break-after: avoid; }
+figure, .tile { break-inside: avoid; }
 footer { margin-top: 48px; color: var(--soft); font-size: 13px; }
 )CSS";
 

@@ -144,7 +144,7 @@ std::string row_of_view(const RunResult& run, std::size_t i, float white) {
     constexpr int kSide = 360;
     const View& view = run.views[i];
     const ViewPictures p = pictures_of(run, i, white, kSide);
-    return "<div class=\"pictures three\">\n" +
+    return "<div class=\"pictures view\">\n" +
            figure(name_of(view, i), (view.held_out ? "held out, " : "") + of_picture(run, i),
                   p.picture, true) +
            figure("Render", quality_text(run, i), p.render, true) +

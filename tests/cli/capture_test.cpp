@@ -280,6 +280,10 @@ TEST_F(CaptureTest, ARunFitsItsViews) {
     EXPECT_TRUE(contains(page, fmt::format("<th>aside</th><td>held out</td><td>{}</td>",
                                            significant_text(at_start(2), 4))));
     EXPECT_TRUE(contains(page, "<b>aside</b> &middot; held out, rendered<"));
+    EXPECT_TRUE(
+        contains(page, "<div class=\"pictures view\">\n<figure><img class=\"small\" alt=\"aside\""))
+        << "three columns on narrow screens, too";
+    EXPECT_TRUE(contains(page, ".pictures.view { grid-template-columns: repeat(3, "));
     for (const auto& view : summary["views"])
         EXPECT_TRUE(
             contains(report.text, fmt::format("{:.1f} dB, SSIM {:.4f}", view["psnr"].get<double>(),

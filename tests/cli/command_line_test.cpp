@@ -921,6 +921,10 @@ TEST_F(CommandLine, TheReportSpeaksOfWhatItShows) {
     };
     EXPECT_EQ(count("class=\"mark first\""), 4u) << "start and result, in two charts";
     EXPECT_EQ(count("class=\"mark second\""), 2u) << "the start is that of the first";
+    for (const char* rule : {"figcaption, .note, header p, .key span { overflow-wrap: anywhere; }",
+                             "  -webkit-print-color-adjust: exact; print-color-adjust: exact; }",
+                             "h2, h3 { break-after: avoid; }"})
+        EXPECT_TRUE(contains(two, rule)) << rule;
     const std::string plain = read_text(folder / "plain/report.html");
     for (const char* text : {"one channel, shown as they are</small>", ">paths shaded<",
                              "<span>coverage: share of the iterations</span>"})
