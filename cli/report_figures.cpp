@@ -18,6 +18,13 @@ namespace {
 /// averaged is no such picture: half of the most that it is asked for is more.
 constexpr int kSmall = 180;
 
+/// small: the longest side of a picture whose pixels are squares.
+std::string img(const std::string& name, const Image& image, bool srgb, int small) {
+    const bool is_small = std::max(image.width, image.height) <= small;
+    return fmt::format("<img{} alt=\"{}\" src=\"{}\">", is_small ? " class=\"small\"" : "",
+                       escape_html(name), png_data_uri(image, srgb));
+}
+
 std::string caption(const std::string& name, const std::string& more) {
     return fmt::format("<figcaption><b>{}</b>{}</figcaption>", escape_html(name),
                        more.empty() ? "" : " &middot; " + escape_html(more));
@@ -36,17 +43,15 @@ std::string page_html(const std::string& title, const char* more_style, const st
 
 std::string figure(const std::string& name, const std::string& more, const Image& image,
                    bool srgb) {
-    const bool is_small = std::max(image.width, image.height) <= kSmall;
-    return fmt::format("<figure><img{} alt=\"{}\" src=\"{}\">{}</figure>\n",
-                       is_small ? " class=\"small\"" : "", escape_html(name),
-                       png_data_uri(image, srgb), caption(name, more));
+    return "<figure>" + img(name, image, srgb, kSmall) + caption(name, more) + "</figure>\n";
 }
 
 std::string strip(const std::string& name, const std::string& more,
-                  const std::vector<std::pair<std::string, std::string>>& pictures) {
+                  const std::vector<StripPicture>& pictures) {
+    const int small = kSmall / static_cast<int>(pictures.size());  // each has a part of the width
     std::string html = "<figure><div class=\"strip\">";
-    for (const auto& [what, uri] : pictures)
-        html += fmt::format("<img alt=\"{}: {}\" src=\"{}\">", escape_html(name), what, uri);
+    for (const StripPicture& p : pictures)
+        html += img(name + ": " + p.what, p.image, p.srgb, small);
     return html + "</div>" + caption(name, more) + "</figure>\n";
 }
 

@@ -16,9 +16,14 @@ std::string page_html(const std::string& title, const char* more_style, const st
 /// `more` stands behind the name.
 std::string figure(const std::string& name, const std::string& more, const Image& image, bool srgb);
 
-/// Pictures side by side under one caption. pictures: what each is, and its data URI.
+struct StripPicture {
+    const char* what;
+    const Image& image;
+    bool srgb;
+};
+/// Pictures side by side under one caption.
 std::string strip(const std::string& name, const std::string& more,
-                  const std::vector<std::pair<std::string, std::string>>& pictures);
+                  const std::vector<StripPicture>& pictures);
 
 /// Of false_color from 0 to white.
 std::string color_key(float white, const std::string& meaning);

@@ -36,9 +36,8 @@ std::string notes(const RunResult& run) {
     const auto note = [&](const std::string& text) {
         html += "<p class=\"note\">" + escape_html(text) + "</p>\n";
     };
-    for (std::size_t i = 0; i < run.views.size(); ++i)
-        if (const Photograph& p = run.pictures.photographs[i]; !p.type.empty())
-            note(fmt::format("{}: {}", run.sources[i].image, decoding_text(p)));
+    for (const std::string& text : decoding_texts(run.sources, run.pictures.photographs))
+        note(text);
     for (const std::string& text : mask_texts(run.sources, run.pictures.masks)) note(text);
     if (run.views.size() == 1 && fits_exposure(run.views[0].exposure))
         note("Exposure, fitted: " + exposure_text(run.result.summary.result.views[0].exposure));
@@ -163,9 +162,9 @@ std::string contact_sheet(const RunResult& run, std::size_t first, float white) 
         const ViewPictures p = pictures_of(run, i, white, kSide);
         strips[k] = strip(name_of(run.views[i], i),
                           (run.views[i].held_out ? "held out, " : "") + quality_text(run, i),
-                          {{"picture", png_data_uri(p.picture, true)},
-                           {"render", png_data_uri(p.render, true)},
-                           {"difference", png_data_uri(p.difference, false)}});
+                          {{"picture", p.picture, true},
+                           {"render", p.render, true},
+                           {"difference", p.difference, false}});
     });
     for (const std::string& s : strips) html += s;
     return html + "</div>\n";
@@ -182,8 +181,8 @@ std::string several_views(const RunResult& run) {
     const std::size_t rows = std::min(kRows, run.views.size());
     std::string html = "<h2>The pictures</h2>\n" + table_of_views(run);
     for (std::size_t i = 0; i < rows; ++i) html += row_of_view(run, i, white);
-    html += difference_key(white, "picture") + notes(run);
-    return rows < run.views.size() ? html + contact_sheet(run, rows, white) : html;
+    if (rows < run.views.size()) html += contact_sheet(run, rows, white);
+    return html + difference_key(white, "picture") + notes(run);
 }
 
 }  // namespace

@@ -4,8 +4,10 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <map>
 #include <mutex>
 #include <set>
+#include <string>
 #include <utility>
 #include <variant>
 
@@ -158,13 +160,57 @@ std::string encoding_text(const Encoding& encoding) {
         [](const GammaEncoding& g) { return fmt::format("gamma {:g}", g.gamma); });
 }
 
-std::string decoding_text(const Photograph& p) {
+namespace {
+
+/// clipped_pixels: of all pictures that were read so.
+std::string decoding_text(const Photograph& p, std::size_t clipped_pixels) {
     std::string text = fmt::format("{}, {} bits, {}", p.type, p.bits, encoding_text(p.encoding));
     if (p.has_alpha) text += ", alpha as mask";
     text += turning_text(p);
     if (p.clipped.width > 0)
-        text += fmt::format(", {} clipped and left out", count_text(p.clipped_pixels, "pixel"));
+        text += fmt::format(", {} clipped and left out", count_text(clipped_pixels, "pixel"));
     return text;
+}
+
+/// Pictures that were read alike.
+struct AlikePictures {
+    std::size_t first;  ///< of the views
+    std::size_t count = 0, clipped_pixels = 0;
+};
+
+/// In the order of their first ones.
+std::vector<AlikePictures> alike_pictures(const std::vector<Photograph>& photographs) {
+    std::vector<AlikePictures> groups;
+    std::map<std::string, std::size_t> known;  // where a way stands
+    for (std::size_t i = 0; i < photographs.size(); ++i) {
+        const Photograph& p = photographs[i];
+        if (p.type.empty()) continue;
+        const auto [place, is_new] = known.emplace(decoding_text(p, 0), groups.size());
+        if (is_new) groups.push_back({i});
+        AlikePictures& group = groups[place->second];
+        ++group.count, group.clipped_pixels += p.clipped_pixels;
+    }
+    return groups;
+}
+
+}  // namespace
+
+std::string decoding_text(const Photograph& p) { return decoding_text(p, p.clipped_pixels); }
+
+std::vector<std::string> decoding_texts(const std::vector<CapturedView>& views,
+                                        const std::vector<Photograph>& photographs) {
+    const std::vector<AlikePictures> groups = alike_pictures(photographs);
+    std::vector<std::string> texts;
+    for (const AlikePictures& group : groups) {
+        std::string which = views[group.first].image;
+        if (group.count > 1)
+            which = groups.size() == 1
+                        ? count_text(group.count, "picture")
+                        : fmt::format("{} and {}", which, count_text(group.count - 1, "other"));
+        texts.push_back(which + ": " +
+                        decoding_text(photographs[group.first], group.clipped_pixels));
+    }
+    return texts;
 }
 
 const char* name_of(MaskSource source) {

@@ -40,6 +40,10 @@ std::vector<CheckedView> check_views(const Renderer& renderer,
 /// How a file was read: "JPEG, 8 bits, sRGB, turned by EXIF orientation 6, 12 pixels clipped and
 /// left out".
 std::string decoding_text(const Photograph& photograph);
+/// How all were read, one text for each way: "17 pictures: EXR, 32 bits, linear"; of several ways
+/// "a.png and 3 others: PNG, 8 bits, sRGB". Clipped pixels are those of all that share a text.
+std::vector<std::string> decoding_texts(const std::vector<CapturedView>& views,
+                                        const std::vector<Photograph>& photographs);
 /// "linear", "sRGB" or "gamma 2.2".
 std::string encoding_text(const Encoding& encoding);
 

@@ -331,11 +331,15 @@ TEST_F(CaptureTest, ManyViewsAreShownOnASheet) {
               2);
     for (const char* name : {"near 12", "near 13"}) {
         for (const char* what : {"picture", "render", "difference"})
-            EXPECT_TRUE(contains(page, fmt::format("alt=\"{}: {}\"", name, what)));
+            EXPECT_TRUE(
+                contains(page, fmt::format("<img class=\"small\" alt=\"{}: {}\"", name, what)))
+                << "few pixels are squares";
         EXPECT_TRUE(contains(page, fmt::format("<b>{}</b> &middot; held out, loss ", name)));
     }
     const auto summary = summary_of("out");
     EXPECT_GT(summary["parameters"][0]["texels_unvisited"], 0);
+    EXPECT_LT(page.find("class=\"strip\""), page.find("relative difference to the picture"))
+        << "the key stands below all that it is of";
     EXPECT_TRUE(contains(report.text, "filled from those around them in their chart"));
     ASSERT_EQ(run(command + "--set unvisited=keep -o kept").code, 0);
     EXPECT_TRUE(contains(read_text(folder / "kept/report.html"), "they hold the start"));

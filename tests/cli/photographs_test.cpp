@@ -7,6 +7,7 @@
 
 #include "cli/html.h"
 #include "cli/program.h"
+#include "cli/view_pictures.h"
 #include "optimize/view_loss.h"
 
 namespace burnish {
@@ -99,7 +100,8 @@ TEST_F(PhotographsTest, ExposuresAreRecovered) {
     const HtmlReader report(read_text(folder / "fitted/report.html"));
     EXPECT_TRUE(report.errors.empty()) << report.errors[0];
     EXPECT_TRUE(contains(report.text, "(fitted)"));
-    EXPECT_TRUE(contains(report.text, "p1.png: PNG, 8 bits, sRGB")) << report.text;
+    EXPECT_TRUE(contains(report.text, "3 pictures: PNG, 8 bits, sRGB")) << report.text;
+    EXPECT_FALSE(contains(report.text, "p1.png: PNG")) << "one note of all";
 
     ASSERT_EQ(run(optimize + "-o again --threads 3").code, 0);
     EXPECT_EQ(error_of("again"), error_of("fitted"));
@@ -258,6 +260,25 @@ TEST_F(PhotographsTest, AViewMayShowAnUnknownByAnotherSurface) {
     scene.replace(scene.find(integrator), integrator.size(), R"(type="path")");
     write_text(folder / "scene.xml", scene);
     EXPECT_FALSE(warns());
+}
+
+TEST(DecodingTexts, PicturesThatWereReadAlikeShareOne) {
+    std::vector<CapturedView> views(4);
+    for (std::size_t i = 0; i < 4; ++i) views[i].image = fmt::format("p{}.png", i);
+    std::vector<Photograph> photographs(4);
+    for (std::size_t i = 0; i < 3; ++i) {
+        Photograph& p = photographs[i];
+        p.type = "PNG", p.bits = 8, p.encoding = SrgbEncoding{};
+        p.clipped = make_image(1, 1, 1, 1), p.clipped_pixels = 10 * (i + 1);
+    }
+    const auto texts = [&] { return decoding_texts(views, photographs); };
+    using Texts = std::vector<std::string>;
+    EXPECT_EQ(texts(), Texts{"3 pictures: PNG, 8 bits, sRGB, 60 pixels clipped and left out"})
+        << "the last one is rendered";
+    photographs[1].encoding = LinearEncoding{};
+    EXPECT_EQ(texts(),
+              (Texts{"p0.png and 1 other: PNG, 8 bits, sRGB, 40 pixels clipped and left out",
+                     "p1.png: PNG, 8 bits, linear, 20 pixels clipped and left out"}));
 }
 
 TEST_F(PhotographsTest, WhatIsNotReadOfAFileIsSaid) {
