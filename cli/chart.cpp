@@ -57,7 +57,9 @@ std::string axes(const Chart& chart, const Extent& e) {
             "<line class=\"grid\" x1=\"{0:.1f}\" y1=\"{1:.1f}\" x2=\"{2:.1f}\" y2=\"{1:.1f}\"/>"
             "<text x=\"{3:.1f}\" y=\"{4:.1f}\" text-anchor=\"end\">{5:.6g}</text>",
             kLeft, place_y(e, y), right, kLeft - 8, place_y(e, y) + 4, y);
-    for (const double x : linear_ticks(0, e.x_high, 8))
+    constexpr double kMostTicks = 8;
+    const double most = chart.whole_x ? std::clamp(e.x_high, 1.0, kMostTicks) : kMostTicks;
+    for (const double x : linear_ticks(0, e.x_high, static_cast<int>(most)))
         svg += fmt::format(
             "<line class=\"axis\" x1=\"{0:.1f}\" y1=\"{1:.1f}\" x2=\"{0:.1f}\" y2=\"{2:.1f}\"/>"
             "<text x=\"{0:.1f}\" y=\"{3:.1f}\" text-anchor=\"middle\">{4}</text>",

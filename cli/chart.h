@@ -25,6 +25,7 @@ struct Chart {
     std::vector<ChartSeries> series;
     /// How the numbers of the x axis are written; empty: as they are.
     std::function<std::string(double)> x_tick_text = {};
+    bool whole_x = false;  ///< x counts something: no ticks at fractions
 };
 
 /// An <svg> element that scales with its surroundings.

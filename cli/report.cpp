@@ -46,7 +46,8 @@ std::string other_text(const RunResult& run, const std::string& number) {
 
 /// What an estimator keeps from iteration to iteration.
 std::string kept_text(const RunResult& run, const PathCache& cache) {
-    return fmt::format("{}, {} fresh samples in an iteration", run.kept_text, cache.samples);
+    return fmt::format("{}, {} in an iteration", run.kept_text,
+                       count_text(cache.samples, "fresh sample"));
 }
 /// history: empty where there is none. window: of the kept image; 0: it is of fresh samples alone.
 std::string kept_text(const std::string& history, std::uint32_t window) {
@@ -184,6 +185,7 @@ std::string chart_section(const RunResult& run) {
     std::string html = "<h2>The run</h2>\n<div class=\"charts\">\n";
     for (const bool over_seconds : {false, true}) {
         Chart chart{over_seconds ? "seconds" : "iteration", "loss", {}};
+        chart.whole_x = !over_seconds;
         chart.series.push_back(loss_series(run.result, "first", over_seconds));
         if (run.compared) {
             chart.series.push_back(loss_series(*run.compared, "second", over_seconds));

@@ -86,7 +86,7 @@ std::vector<std::vector<Picture>> pictures_of(const TargetScene& scene, double s
     for (const std::size_t k : which) {
         const Moment& m = methods[k].runs.front().at[kDerivative];
         images.push_back(
-            {fmt::format("{}, {:.1f} s of derivatives", methods[k].name, m.derivative_seconds),
+            {fmt::format("{}, {:.3g} s of derivatives", methods[k].name, m.derivative_seconds),
              fmt::format("loss {:.4g} of {:.4g}", m.loss, start), of_image(m.image)});
         textures.push_back({methods[k].name, fmt::format("error {:.4f}", m.texture_error),
                             of_texture(m.texture), kind});
@@ -110,13 +110,17 @@ std::vector<std::vector<Picture>> close_ups_of(const TargetScene& scene, double 
                        part(&Moment::texture));
 }
 
+std::string iterations_text(std::uint32_t count) {
+    return fmt::format("{} iteration{}", count, count == 1 ? "" : "s");
+}
+
 /// "25 iterations"
 std::string text_of(At at, const Budget& budget) {
     switch (at) {
         case kIterations:
-            return fmt::format("{} iterations", budget.iterations);
+            return iterations_text(budget.iterations);
         case kLong:
-            return fmt::format("{} iterations", budget.long_iterations);
+            return iterations_text(budget.long_iterations);
         case kDerivative:
             return fmt::format("{:g} s of derivatives", budget.derivative_seconds);
         default:
@@ -196,8 +200,8 @@ std::string reason_of(const std::vector<Method>& methods, const Budget& budget, 
     if (is_behind && ratio(kIterations).ratio > 1)
         why = "At equal iterations, too.";
     else if (has_long(budget) && stands_above_one(ratio(kLong)))
-        why = fmt::format("After {} iterations the loss of pgris with replay is the higher one.",
-                          budget.long_iterations);
+        why = fmt::format("After {} the loss of pgris with replay is the higher one.",
+                          iterations_text(budget.long_iterations));
     if (!why.empty()) why = sentences(why, reason_of_steps(methods, budget));
     return is_behind ? sentences(why, reason_of_costs(methods)) : why;
 }
@@ -218,17 +222,17 @@ Figure equal_time_figure(const TargetScene& scene, double start, const std::vect
     f.measured = fmt::format(
         "Losses as ratios to that of mc, {}, from {:.4g} at the start. After {:g} s of the "
         "derivative stage: pgris with replay {}, with the identity "
-        "shift {}. After {} iterations: {} and {}. After {:g} s of whole iterations: {} and {}; "
+        "shift {}. After {}: {} and {}. After {:g} s of whole iterations: {} and {}; "
         "beyond the paper, the path cache {}.",
         interval_text(options.runs), start, options.budget.derivative_seconds, text_of(replay),
-        text_of(identity), options.budget.iterations, text_of(ratio(kReplay, kIterations)),
-        text_of(ratio(kIdentity, kIterations)), options.budget.seconds,
-        text_of(ratio(kReplay, kClock)), text_of(ratio(kIdentity, kClock)),
+        text_of(identity), iterations_text(options.budget.iterations),
+        text_of(ratio(kReplay, kIterations)), text_of(ratio(kIdentity, kIterations)),
+        options.budget.seconds, text_of(ratio(kReplay, kClock)), text_of(ratio(kIdentity, kClock)),
         text_of(ratio(kCache, kClock)));
     if (has_long(options.budget))
         f.measured += fmt::format(
-            " After {} iterations mc has {:.4g} and pgris with replay {:.4g}, {} of it.",
-            options.budget.long_iterations, mean_loss(methods[kMc], kLong),
+            " After {} mc has {:.4g} and pgris with replay {:.4g}, {} of it.",
+            iterations_text(options.budget.long_iterations), mean_loss(methods[kMc], kLong),
             mean_loss(methods[kReplay], kLong), text_of(ratio(kReplay, kLong)));
     f.verdict = verdict_below_one(replay, identity);
     f.why = reason_of(methods, options.budget, falls_short(f.verdict) || stands_above_one(replay));
@@ -247,11 +251,11 @@ Figure positivization_figure(const TargetScene& scene, double start,
     f.title = title_of(scene) + ", with and without positivisation";
     f.claim = "Inverse rendering with positivisation ends at a lower loss than without.";
     f.measured = fmt::format(
-        "The loss of pgris over that of gris, both with replay, {}: {} after {} iterations, {} "
-        "after {:g} s of the derivative stage, {} after {:g} s.",
-        interval_text(options.runs), text_of(ratio(kIterations)), options.budget.iterations,
-        text_of(ratio(kDerivative)), options.budget.derivative_seconds, text_of(ratio(kClock)),
-        options.budget.seconds);
+        "The loss of pgris over that of gris, both with replay, {}: {} after {}, {} after {:g} s "
+        "of the derivative stage, {} after {:g} s.",
+        interval_text(options.runs), text_of(ratio(kIterations)),
+        iterations_text(options.budget.iterations), text_of(ratio(kDerivative)),
+        options.budget.derivative_seconds, text_of(ratio(kClock)), options.budget.seconds);
     f.measured +=
         " Shown are the parts that differ most; losses and errors below are of the whole.";
     f.verdict = verdict_below_one(ratio(kIterations));

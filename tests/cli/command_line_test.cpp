@@ -949,6 +949,21 @@ TEST_F(CommandLine, TheReportSaysWhatAnEstimatorKeeps) {
     EXPECT_TRUE(contains(reservoirs, "shift, confidence cap "));
 }
 
+TEST_F(CommandLine, TheReportOfOneIterationCountsInOnes) {
+    write_scene();
+    ASSERT_EQ(run("optimize scene.xml --parameter base_color --init 0.5 --target-spp 2 --spp 1 "
+                  "--evaluation-spp 2 --iterations 1 -o one")
+                  .code,
+              0);
+    const std::string page = read_text(folder / "one/report.html");
+    EXPECT_TRUE(contains(page, ", 1 fresh sample in an iteration"));
+    const std::size_t begin = page.find("aria-label=\"loss over iteration\"");
+    ASSERT_NE(begin, std::string::npos);
+    const std::string chart = page.substr(begin, page.find("</svg>", begin) - begin);
+    EXPECT_TRUE(contains(chart, "text-anchor=\"middle\">1</text>"));
+    EXPECT_FALSE(contains(chart, "text-anchor=\"middle\">0.")) << "no ticks at fractions";
+}
+
 TEST_F(CommandLine, TheReportIsHtml) {
     write_scene();
     ASSERT_EQ(

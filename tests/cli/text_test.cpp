@@ -89,6 +89,24 @@ TEST(Chart, DrawsPointsWhereTheyBelongAndEscapesText) {
     EXPECT_NE(svg.find("d=\"M76.0 "), std::string::npos) << "x = 0 lies on the left axis";
 }
 
+TEST(Chart, CountsHaveNoTicksAtFractions) {
+    const auto ticks = [](double last, bool whole) {
+        Chart chart{"iteration", "loss", {{"a", "first", {{0, 1}, {last, 0.5}}, {}}}};
+        chart.whole_x = whole;
+        const std::string svg = chart_svg(chart);
+        const std::regex tick("text-anchor=\"middle\">([0-9.]+)<");
+        std::vector<std::string> texts;
+        for (std::sregex_iterator i(svg.begin(), svg.end(), tick), end; i != end; ++i)
+            texts.push_back((*i)[1]);
+        return texts;
+    };
+    using Texts = std::vector<std::string>;
+    EXPECT_EQ(ticks(1, true), (Texts{"0", "1"}));
+    EXPECT_EQ(ticks(3, true), (Texts{"0", "1", "2", "3"}));
+    EXPECT_EQ(ticks(3, false), (Texts{"0", "0.5", "1", "1.5", "2", "2.5", "3"}));
+    EXPECT_EQ(ticks(20, true), (Texts{"0", "5", "10", "15", "20"}));
+}
+
 TEST(Chart, NamesItsSeriesAboveThePlot) {
     Chart chart{"x", "y", {}};
     const std::vector<std::string> names{"mc", "pgris, identity shift", "pgris, replay shift",

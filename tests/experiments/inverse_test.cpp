@@ -187,10 +187,11 @@ std::shared_ptr<const InverseRuns> invented_runs(const TargetScene& scene,
 }
 
 /// What is said of invented runs.
-std::vector<Figure> figures_of(const PgrisLosses& losses) {
+std::vector<Figure> figures_of(const PgrisLosses& losses,
+                               const Budget& budget = {8, 40, 0.05, 0.1}) {
     ReproduceOptions options = test::small_options();
     options.runs = 1;
-    options.budget = {8, 40, 0.05, 0.1};
+    options.budget = budget;
     std::vector<TargetScene> scenes;
     scenes.push_back(test::small_target_scene(options));
     scenes[0].runs = invented_runs(scenes[0], options, losses);
@@ -255,6 +256,18 @@ TEST(Inverse, EachLossStandsBesideItsNoiseFloor) {
         EXPECT_EQ(table.rows[kMc][column + 1], floors[at]);
         EXPECT_EQ(table.rows[kGris][column + 1], at == kLong ? "" : floors[at]);
     }
+}
+
+TEST(Inverse, OneIterationAndShortTimesAreSaidAsTheyAre) {
+    const std::vector<Figure> figures = figures_of({1, 1, 1, 1}, {1, 2, 0.05, 0.1});
+    const Figure &equal_time = figures.at(0), &positivization = figures.at(1);
+    EXPECT_NE(equal_time.measured.find("After 1 iteration: "), std::string::npos)
+        << equal_time.measured;
+    EXPECT_NE(equal_time.measured.find("After 2 iterations mc has "), std::string::npos);
+    EXPECT_NE(positivization.measured.find(" after 1 iteration, "), std::string::npos)
+        << positivization.measured;
+    EXPECT_EQ(equal_time.tables.at(0).head.at(3), "loss after 1 iteration");
+    EXPECT_EQ(equal_time.pictures.at(0).at(0).name, "mc, 0.01 s of derivatives");
 }
 
 // The first step of Adam has the length of the rate; later ones average gradients that differ.
