@@ -27,7 +27,9 @@ class PlainFormatter : public CLI::Formatter {
     std::string make_option_opts(const CLI::Option* option) const override {
         std::string text;
         if (option->get_type_size() != 0) text = " " + option->get_type_name();
-        if (!option->get_default_str().empty()) text += " [" + option->get_default_str() + "]";
+        const char* alone = option->get_expected_min() == 0 ? "alone: " : "";
+        if (!option->get_default_str().empty())
+            text += " [" + (alone + option->get_default_str()) + "]";
         return option->get_required() ? text + " (required)" : text;
     }
 

@@ -60,8 +60,10 @@ std::string label_of(const Flag& flag) {
     return text.substr(text.rfind(',') + 1);
 }
 
-/// The defaults, where there are any that say something.
+/// The defaults, where there are any that say something; of a flag that may have no value what it
+/// then means: the parser gives it that one.
 std::string default_of(const Flag& flag) {
+    if (*flag.first.alone) return flag.first.alone;
     if (*flag.first.info.unset && flag.first.default_value == flag.first.info.unset) return {};
     return fmt::format("{}", fmt::join(flag.defaults, " or "));
 }
@@ -75,9 +77,11 @@ std::string complaint_of(const std::vector<std::string>& names, const std::strin
 }
 
 void add_flag(CLI::App& command, const Flag& flag, OptimizeArguments& arguments) {
-    const auto give = [&arguments, label = label_of(flag), names = flag.names,
-                       alone = flag.first.alone](std::vector<std::string> values) {
-        if (*alone && (values.empty() || values.front().empty())) values = {alone};
+    const auto give = [&arguments, label = label_of(flag),
+                       names = flag.names](const std::vector<std::string>& values) {
+        // The parser checks no empty text of a flag that may have no value.
+        if (values.empty() || values.front().empty())
+            throw UsageError(label + ": " + complaint_of_empty(""));
         arguments.flags.push_back({label, names, values});
     };
     CLI::Option* option = nullptr;
@@ -90,9 +94,7 @@ void add_flag(CLI::App& command, const Flag& flag, OptimizeArguments& arguments)
         option->type_name(flag.first.placeholder)
             ->default_str(default_of(flag))
             ->check(CLI::Validator(
-                [names = flag.names, is_needed = !*flag.first.alone](const std::string& text) {
-                    return text.empty() && !is_needed ? "" : complaint_of(names, text);
-                },
+                [names = flag.names](const std::string& text) { return complaint_of(names, text); },
                 ""));
         if (!flag.first.is_list) option->expected(flag.first.is_pair ? 2 : 1);
         if (*flag.first.alone) option->expected(0, 1);

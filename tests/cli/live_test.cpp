@@ -46,6 +46,8 @@ TEST_F(LiveRun, AddressesAreChecked) {
     for (const char* wrong : {"scene.xml", "a:b", "127.0.0.1"})
         expect_refused(std::string(kLiveRun) + "out --live " + wrong, 2,
                        std::string("--live: found '") + wrong + "', expected HOST:PORT");
+    expect_refused(std::string(kLiveRun) + "out --live ''", 2,
+                   "--live: found an empty text, expected a value");
     // Alone it means the viewer of this machine; what is wrong here is another option.
     expect_refused(std::string(kLiveRun) + "out --live --spp none", 2, "--spp");
 }

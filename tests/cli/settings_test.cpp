@@ -318,6 +318,7 @@ TEST(Settings, AnEmptyTextIsNoValue) {
     }
     EXPECT_EQ(parse({"--set", "problem.mask=none"}).run.mask, "");
     EXPECT_EQ(parse({"--live", "--seed", "1"}).run.live, "127.0.0.1:14158");
+    EXPECT_EQ(usage_error({"--live", ""}), "--live: found an empty text, expected a value");
 }
 
 TEST(Settings, ALearningRateNeedsAParameterWithoutOne) {
