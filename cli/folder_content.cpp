@@ -72,12 +72,13 @@ bool holds_anything(const fs::path& folder) {
 }
 
 void require_readable_checkpoints(const fs::path& folder) {
-    const fs::path checkpoints = folder / kCheckpoints;
-    std::error_code error;
-    const fs::directory_iterator tried(checkpoints, error);
-    if (error && error != std::errc::no_such_file_or_directory &&
-        error != std::errc::not_a_directory)
-        throw OutputError(checkpoints.string() + ": cannot be read: " + error.message());
+    for (const fs::path& checkpoints : {folder / kCheckpoints, folder / kCheckpoints / kCompared}) {
+        std::error_code error;
+        const fs::directory_iterator tried(checkpoints, error);
+        if (error && error != std::errc::no_such_file_or_directory &&
+            error != std::errc::not_a_directory)
+            throw OutputError(checkpoints.string() + ": cannot be read: " + error.message());
+    }
 }
 
 std::vector<fs::path> all_checkpoints(const fs::path& folder) {

@@ -129,9 +129,9 @@ bool interrupted_by_system() {
     return came == SIGTERM || came == SIGHUP || came == SIGXCPU;
 }
 
-void end_interrupted(const std::string& without_hint) {
+void end_interrupted(const std::string& message) {
     const std::lock_guard lock(watch().mutex);
-    if (watch().on_disk == OnDisk::kNothing && !without_hint.empty()) log_info(without_hint);
+    if (watch().on_disk == OnDisk::kNothing && !message.empty()) log_info(message);
     end_program(watch(), watch().came);
 }
 

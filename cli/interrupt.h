@@ -50,9 +50,9 @@ bool interrupted();
 /// The same of SIGTERM, SIGHUP and SIGXCPU: what is left to do must wait for another time.
 bool interrupted_by_system();
 
-/// Ends the program as the signal that came would have without a guard. without_hint: what is said
-/// where nothing lies on the disk; empty: nothing.
-[[noreturn]] void end_interrupted(const std::string& without_hint = {});
+/// Ends the program as the signal that came would have without a guard. message: what is said where
+/// nothing lies on the disk; empty: nothing.
+[[noreturn]] void end_interrupted(const std::string& message = {});
 
 /// What lies on the disk of the present run.
 enum class OnDisk {

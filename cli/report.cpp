@@ -44,16 +44,17 @@ std::string other_text(const RunResult& run, const std::string& number) {
     return fmt::format("{}: {}", name_of(*run.compared), number);
 }
 
-/// What an estimator keeps from iteration to iteration.
-std::string kept_text(const RunResult& run, const PathCache& cache) {
-    return fmt::format("{}, {} in an iteration", run.kept_text,
-                       count_text(cache.samples, "fresh sample"));
-}
 /// history: empty where there is none. window: of the kept image; 0: it is of fresh samples alone.
 std::string kept_text(const std::string& history, std::uint32_t window) {
     if (window == 0) return history.empty() ? "no history" : history;
     const std::string image = "an image of " + halves_text(window);
     return history.empty() ? image : history + "; " + image;
+}
+
+/// What an estimator keeps from iteration to iteration.
+std::string kept_text(const RunResult& run, const PathCache& cache) {
+    return fmt::format("{}, {} in an iteration", run.kept_text,
+                       count_text(cache.samples, "fresh sample"));
 }
 std::string kept_text(const RunResult&, const Reservoirs& r) {
     const std::string history =

@@ -2,9 +2,10 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
+#include <utility>
 
 #include "burnish/error.h"
+#include "core/archive.h"
 #include "optimize/ranks.h"
 
 namespace burnish {
@@ -41,17 +42,17 @@ std::vector<std::vector<std::string>> gather_texts(const Ranks& ranks,
     return all;
 }
 
-/// what: in the message, "other settings". Where there are more texts on one process than on
-/// another, one of the first says so.
+/// what: in the message, "other settings". The first text says how many more there are: it is
+/// compared on all processes before the others.
 void require_same(const char* what, const NamedTexts& own, const Ranks& ranks) {
     const auto all = gather_texts(ranks, own.texts);
     const std::vector<std::string>& expected = all.front();
-    for (std::size_t r = 1; r < all.size(); ++r)
-        for (std::size_t i = 0; i < std::min(expected.size(), all[r].size()); ++i)
-            if (all[r][i] != expected[i])
+    for (std::size_t i = 0; i < own.texts.size(); ++i)
+        for (std::size_t r = 1; r < all.size(); ++r)
+            if (all[r].at(i) != expected.at(i))
                 throw InputError(fmt::format(
                     "process {} has {} than process 0, expected the same: {}: {}, on process 0 {}",
-                    r, what, own.names.at(i), all[r][i], expected[i]));
+                    r, what, own.names[i], all[r][i], expected[i]));
 }
 
 }  // namespace

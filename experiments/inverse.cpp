@@ -86,7 +86,7 @@ std::vector<std::vector<Picture>> pictures_of(const TargetScene& scene, double s
     for (const std::size_t k : which) {
         const Moment& m = methods[k].runs.front().at[kDerivative];
         images.push_back(
-            {fmt::format("{}, {:.3g} s of derivatives", methods[k].name, m.derivative_seconds),
+            {fmt::format("{}, {:.4g} s of derivatives", methods[k].name, m.derivative_seconds),
              fmt::format("loss {:.4g} of {:.4g}", m.loss, start), of_image(m.image)});
         textures.push_back({methods[k].name, fmt::format("error {:.4f}", m.texture_error),
                             of_texture(m.texture), kind});
@@ -171,7 +171,8 @@ std::string reason_of_steps(const std::vector<Method>& methods, const Budget& bu
     if (!(length(kReplay) > length(kMc))) return {};
     return fmt::format(
         "Steps of Adam are the longer, the longer a gradient and its errors stay as they are, and "
-        "reused samples keep theirs: the last of {} steps moves a texel by {:.2f} of the learning "
+        "reused samples keep theirs: the step of iteration {} moves a texel by {:.2f} of the "
+        "learning "
         "rate with mc and by {:.2f} with pgris and replay.",
         budget.iterations, length(kMc), length(kReplay));
 }

@@ -72,15 +72,15 @@ void warn_of_idle_cores() {
                      used, all, used == 1 ? "is" : "are", own);
 }
 
-/// A number in the environment, `unset` where there is none.
-int number_in(const char* variable, int unset) {
+/// A number in the environment, 0 where there is none.
+int number_in(const char* variable) {
     const char* text = std::getenv(variable);
-    return text ? std::atoi(text) : unset;
+    return text ? std::atoi(text) : 0;
 }
 
 /// A launcher that speaks another protocol than this MPI library starts processes of which each is
-/// the only one of its job. The first launcher that has left its number of processes has started
-/// this one: OpenMPI's may have been started by others.
+/// the only one of its job. The first of these launchers that has left its number of processes has
+/// started this one: OpenMPI's stands first, since one of the others may have started it.
 void warn_of_strangers() {
     constexpr const char* kLaunchers[][2] = {{"OMPI_COMM_WORLD_SIZE", "OMPI_COMM_WORLD_RANK"},
                                              {"PMI_SIZE", "PMI_RANK"},
@@ -88,9 +88,9 @@ void warn_of_strangers() {
     int processes = 0;
     MPI_Comm_size(MPI_COMM_WORLD, &processes);
     for (const auto& [size, rank] : kLaunchers) {
-        const int started = number_in(size, 0);
+        const int started = number_in(size);
         if (started < 1) continue;
-        if (processes == 1 && started > 1 && number_in(rank, 0) == 0)
+        if (processes == 1 && started > 1 && number_in(rank) == 0)
             std::fprintf(stderr,
                          "burnish: warning: the launcher has started %d processes (%s) that do not "
                          "know of each other: expected that of the MPI library which burnish-mpi "

@@ -274,8 +274,7 @@ void bind_renderer(nb::module_& m) {
         },
         "The textures that others can replace, by name. Those of smooth conductors, plastics and "
         "dielectrics, and those that\nturn normals, cannot be recovered; those that are an "
-        "emitter's, "
-        "too, can neither be recovered nor replaced.");
+        "emitter's, too, can neither be recovered nor replaced.");
     c.def_prop_ro("warnings", warnings_of, nb::sig("def warnings(self) -> list[str]"),
                   "What was left out or assumed when the scene was read, one sentence each.");
     bind_work(c);

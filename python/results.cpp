@@ -220,7 +220,7 @@ void bind_summary(nb::module_& m) {
         "start", [](const PythonSummary& s) -> const Evaluation& { return s.values.start; },
         nb::rv_policy::reference_internal,
         "Of the textures where the run began, starts or those of the state that was given, with "
-        "few samples; with as many as the\nresult where its noise floor is not known.");
+        "few samples; with as many as\nthe result where its noise floor is not known.");
     c.def_prop_ro(
         "result", [](const PythonSummary& s) -> const Evaluation& { return s.values.result; },
         nb::rv_policy::reference_internal, "Of the textures.");

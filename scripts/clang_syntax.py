@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Whether Clang compiles what a build with GCC compiles, without a warning and without making anything of it.
 
-    scripts/clang_syntax.py [BUILD] [PART...]    BUILD: build/release unless given, configured; PART: of the files' paths
+    scripts/clang_syntax.py [BUILD [PART...]]    BUILD: configured; build/release unless given. PART: of files' paths
 """
 import concurrent.futures
 import json
@@ -26,7 +26,8 @@ def of_clang(command: str) -> list[str]:
 
 
 def complaints(entry: dict[str, str]) -> str:
-    return subprocess.run(of_clang(entry["command"]), cwd=entry["directory"], capture_output=True, text=True).stderr
+    run = subprocess.run(of_clang(entry["command"]), cwd=entry["directory"], capture_output=True, text=True)
+    return run.stderr or (f"status {run.returncode}" if run.returncode else "")
 
 
 def main() -> int:

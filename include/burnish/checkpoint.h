@@ -36,7 +36,8 @@ struct CheckpointNote {
 /// throws. Of several processes the first one writes one file for all.
 struct Checkpoints {
     /// Made where it is missing; never empty. A checkpoint's name is the number of iterations with
-    /// ten digits and ".burnish"; files of other names are left alone.
+    /// ten digits and ".burnish"; files of other names are left alone, but for what a writing that
+    /// was cut off has left.
     std::string folder = {};
     /// Between two; longer where writing takes more than 2 % of the time.
     double seconds = 60;

@@ -13,7 +13,7 @@ namespace burnish {
 struct Binding {
     const TracedScene& traced;
     const Theta& theta;
-    TextureTable textures;            ///< of the scene, with those of theta in their place
+    TextureTable textures;            ///< of the scene, unknowns and replaced ones in their place
     std::vector<int> slots;           ///< index into theta.textures of each texture, -1 for others
     std::vector<char> unknown_bsdfs;  ///< as of TraceInput
     std::vector<RecordShader> shaders;  ///< of all BSDFs

@@ -19,19 +19,16 @@ namespace {
 Theta theta_of(const Scene& scene, const std::vector<std::string>& parameters,
                const TextureValues& textures) {
     Theta theta;
-    const auto find = [&](TextureId id) {
-        return std::find_if(theta.textures.begin(), theta.textures.end(),
-                            [&](const ThetaTexture& t) { return t.texture == id; });
-    };
     const std::vector<TextureId> unknowns = find_textures(scene, parameters);
     for (std::size_t i = 0; i < parameters.size(); ++i)
         add_unknown(scene, parameters[i], unknowns[i], theta);
-    const std::vector<TextureId> replaced = find_textures(scene, textures);
+    const std::vector<TextureId> replaced = find_replaced(scene, textures);
     std::size_t next = 0;
     for (const auto& [name, image] : textures) {
         const TextureId id = replaced[next++];
         Image texels = texels_of(std::get<Bitmap>(scene[id]), name, image);
-        if (const auto at = find(id); at != theta.textures.end())
+        if (const auto at = std::ranges::find(theta.textures, id, &ThetaTexture::texture);
+            at != theta.textures.end())
             at->values = std::move(texels);
         else
             theta.replaced.push_back({id, std::move(texels)});

@@ -31,7 +31,7 @@ struct Theta {
 /// theta must outlive it.
 TextureTable texture_table(const Scene& scene, const Theta& theta);
 
-/// TraceInput::unknown_bsdfs: for each BSDF of the scene what of it is a texture of theta. slots:
+/// TraceInput::unknown_bsdfs: for each BSDF of the scene what of it is an unknown of theta. slots:
 /// as of theta_slots.
 std::vector<char> unknown_bsdfs(const Scene& scene, std::span<const int> slots);
 std::vector<char> unknown_bsdfs(const Scene& scene, const Theta& theta);

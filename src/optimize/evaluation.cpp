@@ -130,12 +130,21 @@ std::uint32_t result_samples(double visited, double pixels) {
         std::clamp(std::max(kOfVisit * visited, kMinOfAll) / pixels, 2.0, kMaxSamples));
 }
 
+namespace {
+
+double pixels_of_views(const Setup& setup) {
+    double all = 0;
+    for (const Renderer& view : setup.views) all += pixels_of(view);
+    return all;
+}
+
+}  // namespace
+
 std::uint32_t result_samples(const Setup& setup, std::size_t iterations) {
     const std::uint32_t asked = setup.options.evaluation_samples;
     if (asked > 0) return std::max(2u, asked);
-    double all = 0;
-    for (const Renderer& view : setup.views) all += pixels_of(view);
-    return result_samples(static_cast<double>(iterations) * pixels_of_iteration(setup), all);
+    return result_samples(static_cast<double>(iterations) * pixels_of_iteration(setup),
+                          pixels_of_views(setup));
 }
 
 Evaluation evaluate_result(const Setup& setup, const Theta& theta, std::uint32_t samples,
@@ -172,10 +181,9 @@ std::uint32_t start_samples(std::size_t views, double pixels) {
 
 Evaluation evaluate_start(const Setup& setup, const Theta& start, std::uint32_t of_result,
                           const Progress& progress) {
-    double all = 0;
-    for (const Renderer& view : setup.views) all += pixels_of(view);
-    const std::uint32_t samples =
-        is_noise_known(setup) ? start_samples(setup.views.size(), all) : of_result;
+    const std::uint32_t samples = is_noise_known(setup)
+                                      ? start_samples(setup.views.size(), pixels_of_views(setup))
+                                      : of_result;
     return evaluate(setup, start, samples, kStart, progress);
 }
 

@@ -50,8 +50,8 @@ Evaluation evaluate_result(const Setup& setup, const Theta& theta, std::uint32_t
 double check_loss(const Setup& setup, const Theta& theta);
 
 /// Of the start of so many views, per pixel, where it is known what noise adds to the loss: all
-/// together as many as eight views take with eight each, or two for each. Views of few pixels, of
-/// which all have so many, take more, up to 64: 2^20 in all.
+/// together as many as eight views take with eight each, at least two for each. Where the views
+/// have few pixels, more: 2^20 in all, up to 64 per pixel. pixels: of all views; at least 1.
 std::uint32_t start_samples(std::size_t views, double pixels);
 
 /// Of the start. of_result: the samples of the result, which the start has, too, where it is not

@@ -24,6 +24,7 @@ void fields(auto& archive, Is<BsdfId> auto& v) { archive(v.value); }
 void fields(auto& archive, Is<Vec2f> auto& v) { archive(v.x, v.y); }
 void fields(auto& archive, Is<Vec3f> auto& v) { archive(v.x, v.y, v.z); }
 void fields(auto& archive, Is<ThetaTexture> auto& v) { archive(v.texture, v.values); }
+/// A run replaces no textures but its unknowns.
 void fields(auto& archive, Is<Theta> auto& v) { archive(v.textures); }
 void fields(auto& archive, Is<TexelKey> auto& v) { archive(v.slot, v.texel); }
 void fields(auto& archive, Is<CameraSample> auto& v) { archive(v.pixel, v.iteration, v.pass); }

@@ -9,9 +9,9 @@
 
 namespace burnish {
 
-/// The textures of a run.
+/// The unknowns of a run.
 struct UnknownTextures {
-    std::vector<TextureId> all, searched;  ///< and those of them whose start is searched
+    std::vector<TextureId> all, searched;  ///< searched: those whose start is
 };
 
 /// A sentence of each one. fitted: how many views are.

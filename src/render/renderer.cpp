@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "burnish/error.h"
 #include "core/require.h"
 #include "image/image.h"
@@ -41,10 +43,15 @@ std::vector<TextureId> find_textures(const Scene& scene,
 std::vector<TextureId> find_textures(const Scene& scene, const TextureValues& values) {
     std::vector<std::string> names;
     for (const auto& entry : values) names.push_back(entry.first);
-    const std::vector<TextureId> textures = find_textures(scene, names);
-    for (std::size_t i = 0; i < names.size(); ++i)
-        require(!is_of_emitter(scene, textures[i]),
-                names[i] + " is a texture that an emitter reads, too: expected one of its own");
+    return find_textures(scene, names);
+}
+
+std::vector<TextureId> find_replaced(const Scene& scene, const TextureValues& values) {
+    const std::vector<TextureId> textures = find_textures(scene, values);
+    std::size_t next = 0;
+    for (const auto& entry : values)
+        require(!is_of_emitter(scene, textures[next++]),
+                entry.first + " is a texture that an emitter reads, too: expected one of its own");
     return textures;
 }
 
@@ -124,6 +131,7 @@ Image Renderer::render(std::uint32_t samples_per_pixel, std::uint32_t seed,
     if (samples_per_pixel == 0 || samples_per_pixel > kMaxSamplesPerPixel)
         throw InputError(fmt::format("samples per pixel are {}: expected at least 1, at most {}",
                                      samples_per_pixel, kMaxSamplesPerPixel));
+    find_replaced(data_->scene(), textures);
     const ReplacedTextures replaced = replace_textures(data_->scene(), textures);
     const TraceInput input{
         .scene = &data_->traced, .textures = &replaced.table, .key = {seed, Stream::kImage}};

@@ -28,8 +28,10 @@ TextureId find_texture(const Scene& scene, const std::string& parameter);
 /// Those of several names. Throws InputError, too, where two names mean one.
 std::vector<TextureId> find_textures(const Scene& scene,
                                      const std::vector<std::string>& parameters);
-/// Throws InputError, too, of one that an emitter reads: light is chosen by what it was.
 std::vector<TextureId> find_textures(const Scene& scene, const TextureValues& values);
+/// Those of textures that can be replaced where light is traced. Throws InputError, too, of one
+/// that an emitter reads: lights stay as they were.
+std::vector<TextureId> find_replaced(const Scene& scene, const TextureValues& values);
 
 /// The scene's textures with some replaced. Throws InputError as find_textures does, and of texels
 /// of another size.

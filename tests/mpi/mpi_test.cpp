@@ -33,8 +33,12 @@ TEST_F(Mpi, ProcessesThatDoNotKnowOfEachOtherAreSaid) {
     EXPECT_EQ(count_of(warning, strange.err), 1u) << strange.err;
     EXPECT_EQ(shell("env PMI_SIZE=2 PMI_RANK=1" + version).err, "") << "process 0 says it";
     EXPECT_EQ(shell("env PMI_SIZE=1" + version).err, "");
-    const std::string line = "'" BURNISH_MPIEXEC "' -n 2 env PMI_SIZE=2";
-    EXPECT_FALSE(contains(shell(line + version).err, "know of each other"));
+    for (const int count : {1, 2}) {  // of OpenMPI's own launcher, which another one has started
+        const Outcome known =
+            shell(fmt::format("'" BURNISH_MPIEXEC "' -n {} env PMI_SIZE=2", count) + version);
+        EXPECT_EQ(known.code, 0) << known.err;
+        EXPECT_FALSE(contains(known.err, "know of each other")) << known.err;
+    }
 }
 
 TEST_F(Mpi, AnyNumberOfProcessesMakesTheBytesOfTheProgram) {

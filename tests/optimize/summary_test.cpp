@@ -459,7 +459,7 @@ TEST(Evaluation, WhereNoiseIsNotKnownTheStartHasTheSamplesOfTheResult) {
         const Summary s = solve(problem, options);
         return std::array{s.start.samples_per_pixel, s.result.samples_per_pixel};
     };
-    EXPECT_EQ(samples(), (std::array{8u, 256u})) << "relMSE is compared without noise";
+    EXPECT_EQ(samples(), (std::array{64u, 256u})) << "relMSE is compared without noise";
     problem.loss = [&](const Image& image, std::size_t) {
         return evaluate_loss(Loss::kL1, image, problem.views[0].image, {});
     };
@@ -468,7 +468,7 @@ TEST(Evaluation, WhereNoiseIsNotKnownTheStartHasTheSamplesOfTheResult) {
     options.loss = Loss::kL1;
     const Summary s = solve(problem, options);
     EXPECT_EQ(s.start.samples_per_pixel, 256u);
-    EXPECT_GT(s.result.loss, s.start.loss / 1.5) << "256 samples have a fifth of the noise of 8";
+    EXPECT_GT(s.result.loss, s.start.loss / 1.5) << "256 samples have half the noise of 64";
     EXPECT_LT(s.result.loss, s.start.loss * 1.5);
     options.evaluation_samples = 32;
     EXPECT_EQ(samples(), (std::array{32u, 32u})) << "as many as are asked for";
