@@ -128,13 +128,13 @@ TEST_F(Mpi, MoreProcessesThanViewsAreRefused) {
 }
 
 TEST_F(Mpi, AProcessThatFailsAloneEndsTheJobAndIsNamed) {
-    std::string other = quick("-o out");
-    other.replace(other.find("capture.json"), 12, "missing.json");
-    const Outcome outcome = shell(mpirun(1) + quick("-o out") + ": -n 1 '" BURNISH_MPI_BINARY "' " +
-                                  other + ": -n 1 '" BURNISH_MPI_BINARY "' " + quick("-o out"));
+    fs::create_directory(folder / "other");  // of process 1: without the capture
+    const std::string line = " '" BURNISH_MPI_BINARY "' " + quick("-o out");
+    const Outcome outcome =
+        shell(mpirun(1) + quick("-o out") + ": -n 1 -wdir other" + line + ": -n 1" + line);
     EXPECT_NE(outcome.code, 0);
     EXPECT_TRUE(contains(outcome.err, "burnish: process 1 of 3, on ")) << outcome.err;
-    EXPECT_TRUE(contains(outcome.err, "ends the job: missing.json")) << outcome.err;
+    EXPECT_TRUE(contains(outcome.err, "ends the job: capture.json")) << outcome.err;
     EXPECT_FALSE(fs::exists(folder / "out/summary.json"));
 }
 
