@@ -476,13 +476,20 @@ TEST(Language, BoardsHaveMitsubasColours) {
     EXPECT_EQ(board.color1, (Rgbf{0.2f, 0.2f, 0.2f}));
 }
 
+/// A scene whose film has these elements.
+std::string with_film(const std::string& elements) {
+    return "<emitter type='constant'/><integrator type='direct'/><sensor type='perspective'><film "
+           "type='hdrfilm'>" +
+           elements + "</film></sensor>";
+}
+
+constexpr const char* kFilmSize =
+    "<integer name='width' value='100'/><integer name='height' value='50'/>";
+
 TEST(Language, FilmSizeCanBeReplaced) {
     const TemporaryFolder folder;
     const std::string text =
-        "<emitter type='constant'/><sensor type='perspective'><film type='hdrfilm'><integer "
-        "name='width' value='100'/>"
-        "<integer name='height' value='50'/><integer name='crop_width' "
-        "value='10'/></film></sensor>";
+        with_film(std::string(kFilmSize) + "<integer name='crop_width' value='10'/>");
     const LoadedScene loaded = load_text(folder, text, {{}, 64, 32});
     EXPECT_EQ(loaded.scene.film.crop_width, 64);
     EXPECT_EQ(loaded.scene.film.height, 32);
@@ -494,11 +501,8 @@ TEST(Language, FilmSizeCanBeReplaced) {
 TEST(Language, ACropWindowWithoutASizeHasThatOfTheFilm) {
     const TemporaryFolder folder;
     const auto load = [&](const std::string& crop) {
-        return load_text(folder,
-                         "<emitter type='constant'/><sensor type='perspective'><film "
-                         "type='hdrfilm'><integer name='width' value='100'/><integer "
-                         "name='height' value='50'/><integer name='crop_offset_x' value='30'/>" +
-                             crop + "</film></sensor>")
+        return load_text(folder, with_film(std::string(kFilmSize) +
+                                           "<integer name='crop_offset_x' value='30'/>" + crop))
             .scene.film;
     };
     const Film film = load("<integer name='crop_width' value='70'/>");
@@ -514,11 +518,7 @@ TEST(Language, ACropWindowWithoutASizeHasThatOfTheFilm) {
 TEST(Language, PixelsOfXyzAreReadAsRgbAndItIsSaid) {
     const TemporaryFolder folder;
     const auto load = [&](const std::string& format) {
-        return load_text(folder,
-                         "<emitter type='constant'/><integrator type='direct'/><sensor "
-                         "type='perspective'><film type='hdrfilm'><string name='pixel_format' "
-                         "value='" +
-                             format + "'/></film></sensor>");
+        return load_text(folder, with_film("<string name='pixel_format' value='" + format + "'/>"));
     };
     EXPECT_TRUE(load("rgb").notes.empty());
     const LoadedScene xyz = load("XYZ"), xyza = load("xyza");
@@ -531,10 +531,7 @@ TEST(Language, PixelsOfXyzAreReadAsRgbAndItIsSaid) {
 TEST(Language, ABorderOfSamplesIsWarnedOf) {
     const TemporaryFolder folder;
     const auto warnings = [&](const std::string& value) {
-        return load_text(folder,
-                         "<emitter type='constant'/><sensor type='perspective'><film "
-                         "type='hdrfilm'><boolean name='sample_border' value='" +
-                             value + "'/></film></sensor>")
+        return load_text(folder, with_film("<boolean name='sample_border' value='" + value + "'/>"))
             .warnings;
     };
     EXPECT_TRUE(warnings("false").empty());
