@@ -71,16 +71,6 @@ bool holds_anything(const fs::path& folder) {
     return false;
 }
 
-void require_readable_checkpoints(const fs::path& folder) {
-    for (const fs::path& checkpoints : {folder / kCheckpoints, folder / kCheckpoints / kCompared}) {
-        std::error_code error;
-        const fs::directory_iterator tried(checkpoints, error);
-        if (error && error != std::errc::no_such_file_or_directory &&
-            error != std::errc::not_a_directory)
-            throw OutputError(checkpoints.string() + ": cannot be read: " + error.message());
-    }
-}
-
 std::vector<fs::path> all_checkpoints(const fs::path& folder) {
     std::vector<fs::path> files = checkpoints_in(folder / kCheckpoints);
     for (const fs::path& file : checkpoints_in(folder / kCheckpoints / kCompared))
@@ -89,7 +79,6 @@ std::vector<fs::path> all_checkpoints(const fs::path& folder) {
 }
 
 bool holds_stopped_run(const fs::path& folder, const std::vector<std::string>& results) {
-    require_readable_checkpoints(folder);
     std::error_code ignored;
     const auto written = fs::last_write_time(folder / kSummary, ignored);
     // A run that was stopped later may have written files of the same names.

@@ -33,16 +33,12 @@ std::optional<std::vector<std::string>> files_of_earlier_run(const std::filesyst
 /// Whether the folder holds more than a run that was killed before its first checkpoint leaves.
 bool holds_anything(const std::filesystem::path& folder);
 
-/// Throws OutputError where the folder's checkpoints are there and cannot be listed: they would
-/// count as none.
-void require_readable_checkpoints(const std::filesystem::path& folder);
-
 /// The checkpoints of both runs.
 std::vector<std::filesystem::path> all_checkpoints(const std::filesystem::path& folder);
 
 /// Whether the folder holds a run that can go on and whose results are not there. results: files
 /// that the summary lists, checkpoints among them where Ctrl-C has ended the run. Throws
-/// OutputError: see require_readable_checkpoints.
+/// OutputError: see checkpoints_in.
 bool holds_stopped_run(const std::filesystem::path& folder,
                        const std::vector<std::string>& results);
 

@@ -63,7 +63,6 @@ void require_files(const Checkpoint& checkpoint) {
 }  // namespace
 
 void require_checkpoint(const std::string& folder) {
-    require_readable_checkpoints(folder);
     if (checkpoints_in(fs::path(folder) / kCheckpoints).empty())
         throw InputError(
             fmt::format("{}: {}, expected the folder of a run that was stopped", folder,

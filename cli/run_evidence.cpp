@@ -32,7 +32,7 @@ Image loss_weights(const RunResult& run, const View& view) {
 
 void find_evidence(RunResult& run) {
     const auto fitted = static_cast<std::uint32_t>(fitted_count(run));
-    const std::uint32_t passes = std::clamp(128 / std::max(fitted, 1u), 1u, 16u);  // of each view
+    const std::uint32_t passes = 2 * std::clamp(64 / std::max(fitted, 1u), 1u, 8u);  // of each view
     Theta truth;
     for (const TargetTexture& t : run.textures) truth.textures.push_back({t.texture, *t.truth});
     std::vector<TexelEvidence> evidence;

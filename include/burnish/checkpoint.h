@@ -55,7 +55,8 @@ struct Checkpoints {
 
 /// The newest checkpoint of a folder that is whole. ranks: each process keeps its part of the
 /// state. How many have written it does not matter. Throws InputError: there is none, or none is
-/// whole, and why; or a process that is not one of the ranks' number.
+/// whole, and why; or a process that is not one of the ranks' number. OutputError: the folder
+/// cannot be read.
 Checkpoint load_checkpoint(const std::string& folder, const Ranks& ranks = {});
 
 /// As solve() of burnish/solve.h, with checkpoints. Throws InputError, too, where their folder has

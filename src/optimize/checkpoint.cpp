@@ -7,6 +7,7 @@
 #include <cstddef>
 #include <exception>
 #include <fstream>
+#include <functional>
 #include <utility>
 
 #include "burnish/error.h"
@@ -57,8 +58,12 @@ bool is_checkpoint_name(const std::string& name) {
 
 std::vector<fs::path> checkpoints_in(const fs::path& folder) {
     std::vector<fs::path> files;
-    std::error_code ignored;
-    for (const auto& entry : fs::directory_iterator(folder, ignored))
+    std::error_code error, ignored;
+    const fs::directory_iterator entries(folder, error);
+    if (error && error != std::errc::no_such_file_or_directory &&
+        error != std::errc::not_a_directory)
+        throw OutputError(folder.string() + ": cannot be read: " + error.message());
+    for (const auto& entry : entries)
         if (is_checkpoint_name(entry.path().filename().string()) && entry.is_regular_file(ignored))
             files.push_back(entry.path());
     std::sort(files.begin(), files.end());
@@ -232,11 +237,11 @@ double expected_writing_seconds(const State::Values& state) {
 
 namespace {
 
-/// By the first process; where it cannot, all fail.
-void make_folder_for_all(const std::string& folder, const Ranks& ranks) {
+/// Work of the first process; where it fails, all fail.
+void do_on_first(const Ranks& ranks, const std::function<void()>& work) {
     std::exception_ptr caught;
     try {
-        if (is_first(ranks)) make_folder(folder);
+        if (is_first(ranks)) work();
     } catch (...) {
         caught = std::current_exception();
     }
@@ -249,11 +254,13 @@ CheckpointWriter::CheckpointWriter(const Checkpoints& options, std::vector<Input
                                    const Ranks& ranks, std::uint32_t first)
     : options_(options), problem_(std::move(problem)), ranks_(ranks) {
     require(!options_.folder.empty(), "the folder of the checkpoints has no name: expected one");
-    if (!agree(ranks_, static_cast<bool>(options_.note)))
-        make_folder_for_all(options_.folder, ranks_);
+    const bool is_noted = agree(ranks_, static_cast<bool>(options_.note));
+    do_on_first(ranks_, [&] {
+        if (!is_noted) make_folder(options_.folder);
+        for (const fs::path& file : checkpoints_in(options_.folder))
+            if (file.filename() > file_name(first)) stale_.push_back(file);
+    });
     if (!is_first(ranks_)) return;
-    for (const fs::path& file : checkpoints_in(options_.folder))
-        if (file.filename() > file_name(first)) stale_.push_back(file);
     std::error_code ignored;
     for (const auto& entry : fs::directory_iterator(options_.folder, ignored))
         if (is_temporary(entry.path())) fs::remove(entry.path(), ignored);

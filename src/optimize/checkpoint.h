@@ -14,6 +14,7 @@ namespace burnish {
 
 /// The regular files of a folder whose name is that of a checkpoint, ten digits and ".burnish",
 /// oldest first; none where there is no folder. What has another name is somebody else's.
+/// Throws OutputError where the folder cannot be read: they would count as none.
 std::vector<std::filesystem::path> checkpoints_in(const std::filesystem::path& folder);
 
 /// What writing a state is taken to last until one was written: as long as on a slow disk.

@@ -100,6 +100,10 @@ void require_one_problem(const Setup& setup, const State::Values* from) {
     const Ranks& ranks = setup.problem.ranks;
     if (ranks.count == 1) return;
     std::vector<Input> own = inputs_of(setup);
+    for (const OptionRow& row : option_table())  // they decide on the exchanges
+        if (may_change(row.info.name))
+            own.push_back(
+                input(std::string("the option ") + row.info.name, get_option(row, setup.options)));
     if (from)
         own.push_back(input(fmt::format("the state after {} iterations", from->iteration),
                             from->iteration, from->theta));

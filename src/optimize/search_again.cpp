@@ -140,6 +140,7 @@ void search_again(const Setup& setup, State::Values& state, const StopQuestion& 
             if (!state.search_costs[g].costs.empty())
                 choices[g] = choose_group(setup, plan, g, found, state);
         state.searched_again.reserve(state.searched_again.size() + 1);
+        agree(setup.problem.ranks, true);  // all have chosen: none stops from here on
     }
     SearchedAgain done{state.iteration, 0};
     for (std::size_t g = 0; g < choices.size(); ++g)

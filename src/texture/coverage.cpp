@@ -3,6 +3,7 @@
 #include <cmath>
 #include <limits>
 
+#include "core/contract.h"
 #include "core/random.h"
 #include "gradient/monte_carlo.h"
 
@@ -27,6 +28,7 @@ Image random_signs(const Image& weights, std::uint32_t seed, std::uint32_t numbe
 std::vector<TexelEvidence> texel_evidence(const TracedScene& scene, const Theta& theta,
                                           const Image& weights, std::uint32_t seed,
                                           std::uint32_t passes, const Progress& progress) {
+    BURNISH_REQUIRE(passes % 2, ==, 0u);
     MonteCarlo options;
     options.adaptive_sampling = false;
     MonteCarloState state;

@@ -303,18 +303,36 @@ TEST_F(CaptureTest, ARunFitsItsViews) {
               read_text(folder / "repeated/textures/mat-panel.brdf_0.base_color.data.exr"));
 }
 
-/// Beyond twelve views there is a sheet: picture, render and difference of each of the others, held
-/// out or not. What none of them sees is filled, and the report says how much that is.
-TEST_F(CaptureTest, ManyViewsAreShownOnASheet) {
-    write_scene();
+/// A capture of so many views without pictures, of which the first are fitted.
+std::string capture_of_many(int count, int fitted) {
     std::string views;
-    for (int i = 0; i < 14; ++i)
+    for (int i = 0; i < count; ++i)
         views += fmt::format(
             R"({}{{"name": "near {}", "split": "{}", "camera": {{"model": "SIMPLE_PINHOLE",
             "width": 12, "height": 12, "params": [24, 6, 6],
             "camera_to_world": [[1,0,0,{}],[0,-1,0,0],[0,0,-1,2],[0,0,0,1]]}}}})",
-            i == 0 ? "" : ", ", i, i < 12 ? "train" : "test", 0.01 * i);
-    write_text(file, R"({"version": 1, "scene": "scene.xml", "views": [)" + views + "]}");
+            i == 0 ? "" : ", ", i, i < fitted ? "train" : "test", 0.01 * i);
+    return R"({"version": 1, "scene": "scene.xml", "views": [)" + views + "]}";
+}
+
+TEST_F(CaptureTest, TextureErrorsAreWeightedHoweverManyViewsThereAre) {
+    write_scene();
+    write_text(file, capture_of_many(65, 65));
+    const Outcome outcome =
+        run("optimize capture.json --parameter base_color --iterations 1 --init 0.5 --target-spp 2 "
+            "--evaluation-spp 2 -o out");
+    ASSERT_EQ(outcome.code, 0) << outcome.err;
+    const auto summary = summary_of("out");
+    for (const auto& [name, error] : summary["result"]["texture_rmse"].items())
+        EXPECT_GT(error["final_weighted"], 0) << name;
+    EXPECT_FALSE(summary["result"]["texture_rmse"].empty());
+}
+
+/// Beyond twelve views there is a sheet: picture, render and difference of each of the others, held
+/// out or not. What none of them sees is filled, and the report says how much that is.
+TEST_F(CaptureTest, ManyViewsAreShownOnASheet) {
+    write_scene();
+    write_text(file, capture_of_many(14, 12));
     const std::string command =
         "optimize capture.json --parameter base_color --iterations 12 --init 0.5 --target-spp 2 "
         "--evaluation-spp 2 ";

@@ -380,6 +380,15 @@ TEST_F(CheckpointTest, ANewRunReplacesWhatAnEarlierOneHasLeft) {
 }
 
 /// A state that somebody saved there, and a copy of a checkpoint.
+/// They would count as none, and the run would begin anew.
+TEST_F(CheckpointTest, AFolderThatCannotBeReadIsAnError) {
+    const fs::path loop = fs::path(checkpoints.folder) / "loop";
+    fs::create_directories(checkpoints.folder);
+    fs::create_symlink("loop", loop);
+    EXPECT_THROW(load_checkpoint(loop), OutputError);
+    EXPECT_TRUE(checkpoints_in(fs::path(checkpoints.folder) / "missing").empty());
+}
+
 TEST_F(CheckpointTest, FilesOfOtherNamesAreLeftAlone) {
     Options options;
     options.estimator = MonteCarlo{1, 1}, options.evaluation_samples = 2;

@@ -195,6 +195,27 @@ TEST(Processes, AnotherProblemIsNamed) {
     });
 }
 
+/// Processes decide by them which messages they exchange.
+TEST(Processes, AnotherEndIsNamed) {
+    const Problem problem = problem_for_ranks();
+    const auto error = [&](auto change) {
+        std::string said;
+        test::on_ranks(2, [&](const Ranks& ranks) {
+            Options options = test::options_for_ranks(PathCache{.samples = 2, .window = 2}, 7);
+            if (ranks.rank == 1) change(options);
+            const std::string own =
+                test::error_of([&] { solve(test::of_rank(problem, ranks), options); });
+            if (ranks.rank == 0) said = own;
+        });
+        return said;
+    };
+    const std::string begin = "process 1 has another problem than process 0, expected the same: ";
+    EXPECT_EQ(error([](Options& o) { o.stop.seconds = 77; }), begin + "the option stop.seconds");
+    EXPECT_EQ(error([](Options& o) { o.stop.patience = 3; }), begin + "the option stop.patience");
+    EXPECT_EQ(error([](Options& o) { o.evaluation_samples = 6; }),
+              begin + "the option evaluation_samples");
+}
+
 TEST(Processes, AnotherStateIsNamed) {
     const Problem problem = problem_for_ranks();
     Options options = test::options_for_ranks(PathCache{.samples = 2, .window = 2}, 7);
