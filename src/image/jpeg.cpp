@@ -29,6 +29,7 @@ struct JpegErrors {
 
 struct JpegReader {
     jpeg_decompress_struct jpeg{};
+    jpeg_progress_mgr progress{};
     JpegReader() = default;
     JpegReader(const JpegReader&) = delete;
     JpegReader& operator=(const JpegReader&) = delete;
@@ -48,6 +49,20 @@ void on_message(j_common_ptr common, int level) {
         return;
     common->err->format_message(common, errors->message);
     errors->damaged = true;
+}
+
+/// All scans of a progressive file are read before the first row. A file of few bytes may hold
+/// thousands, each of which goes over all pixels; sound ones hold some ten.
+void on_progress(j_common_ptr common) {
+    constexpr int kMaxScans = 500;
+    auto* errors = reinterpret_cast<JpegErrors*>(common->err);
+    const int scans = reinterpret_cast<j_decompress_ptr>(common)->input_scan_number;
+    if (scans > kMaxScans && !errors->damaged) {
+        std::snprintf(errors->message, sizeof errors->message, "found more than %d scans",
+                      kMaxScans);
+        errors->damaged = true;
+    }
+    if (errors->damaged) std::longjmp(errors->jump, 1);
 }
 
 /// Says what the error is; sound files may hold what libjpeg does not know.
@@ -135,7 +150,9 @@ ImageFile formats::decode_jpeg(const std::string& name, std::string_view bytes) 
     reader.jpeg.err = jpeg_std_error(&errors.base);
     errors.base.error_exit = on_error;
     errors.base.emit_message = on_message;
+    reader.progress.progress_monitor = on_progress;
     if (!read_header(reader.jpeg, errors, bytes)) fail_by(errors, name);
+    reader.jpeg.progress = &reader.progress;
     const int channels = reader.jpeg.num_components;
     if (channels != 1 && channels != 3)
         refuse(name, "JPEG",

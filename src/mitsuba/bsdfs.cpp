@@ -44,6 +44,12 @@ float take_rate(Properties& properties, const char* name) {
     return rate;
 }
 
+/// As in Mitsuba: what transmits is told from the air.
+float index_of(double eta, bool transmits) {
+    const auto rounded = static_cast<float>(eta);
+    return rounded == 1 && transmits ? 1.001f : rounded;
+}
+
 /// From `eta` or `specular`, of which at most one may be given.
 float take_eta(Properties& properties, bool transmits) {
     const Property* given_eta = take(properties, "eta");
@@ -55,14 +61,14 @@ float take_eta(Properties& properties, bool transmits) {
         const double eta = take_number(properties, "eta", 1.5);
         if (!(eta >= 1))
             fail(given_eta->site->place, fmt::format("\"eta\" is {}, expected at least 1", eta));
-        return eta == 1 && transmits ? 1.001f : static_cast<float>(eta);
+        return index_of(eta, transmits);
     }
     const double specular = take_number(properties, "specular", 0.5);
     if (!(specular >= 0 && specular <= 1))
         fail(given_specular->site->place,
              fmt::format("\"specular\" is {}, expected a value in [0, 1]", specular));
     const double eta = 2 / (1 - std::sqrt(0.08 * specular)) - 1;
-    return eta == 1 && transmits ? 1.001f : static_cast<float>(eta);
+    return index_of(eta, transmits);
 }
 
 struct ScalarName {

@@ -82,6 +82,9 @@ Transform to_local_of(const Place& place, const Transform& to_world) {
     return to_local;
 }
 
+/// Few bytes can name many: each instance holds all shapes of its group.
+constexpr std::size_t kMaxShapes = 4'000'000;
+
 void load_instance(Loader& loader, Properties& properties) {
     const Place& place = properties.node->place;
     const std::vector<const Property*> shapes = take_tag(properties, "shape");
@@ -99,6 +102,10 @@ void load_instance(Loader& loader, Properties& properties) {
     const ShapeGroup group = load_group(loader, *shapes[0]->node);
     if (!group.box.empty()) require_reach(place, transform_box(to_world, group.box));
     Scene& scene = loader.result.scene;
+    if (scene.shapes.size() + group.count > kMaxShapes)
+        fail(place, fmt::format("the scene holds more than {} shapes with those of this instance, "
+                                "expected at most as many",
+                                kMaxShapes));
     for (std::uint32_t i = group.first; i < group.first + group.count; ++i)
         scene.shapes.push_back({group.count == 1 ? id : id + "." + scene.prototypes[i].id,
                                 Instance{i, to_world, to_local},

@@ -90,14 +90,12 @@ const auto* find_name(const auto& table, std::string_view name) {
     return found == table.end() ? nullptr : &*found;
 }
 
-/// Of a metal, not negative; but a spectrum may have a colour outside of those of RGB, which is
-/// negative in some channels, never in all.
+/// Of a metal, not negative.
 Rgbf take_index(Properties& properties, const char* name, const Rgbf& fallback) {
     const Property* given = take(properties, name);
     const Rgbf index = take_color(properties, name, fallback, SpectrumUse::kIndex);
     const auto channels = {index.x, index.y, index.z};
-    const bool is_spectrum = given && given->node->tag == "spectrum";
-    if (given && !((is_spectrum ? std::max(channels) : std::min(channels)) >= 0))
+    if (given && !(std::min(channels) >= 0))
         fail(given->site->place, fmt::format("\"{}\" is ({}, {}, {}), expected no negative value",
                                              name, index.x, index.y, index.z));
     return index;

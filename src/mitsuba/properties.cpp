@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <string_view>
+#include <unordered_map>
 
 #include "core/lower_case.h"
 #include "core/parsed.h"
@@ -48,13 +50,14 @@ void expect_tag(const Property& property, std::initializer_list<const char*> tag
 
 Properties open_properties(const Document& document, const Node& node) {
     Properties properties{&node, attribute(node, "type"), {}};
+    std::unordered_map<std::string_view, const Node*> sites;  // of what has a name
     for (const Node& child : node.children) {
         const Node& target = target_of(document, child);
         const std::string& name = attribute(child, "name");
-        for (const Property& other : properties.all)
-            if (!name.empty() && other.name == name)
+        if (!name.empty())
+            if (const auto [other, is_new] = sites.try_emplace(name, &child); !is_new)
                 fail(child.place, fmt::format("the parameter \"{}\" is given twice (first at {})",
-                                              name, place_text(other.site->place)));
+                                              name, place_text(other->second->place)));
         properties.all.push_back({name, &target, &child, false});
     }
     return properties;

@@ -69,12 +69,21 @@ void read_spectrum(const fs::path& file) {
                              {});
 }
 
+/// Some files can be read without the texture coordinates of corners alone.
+void read_ply(const fs::path& file) {
+    try {
+        mitsuba::read_ply_file(file);
+    } catch (const Error&) {
+    }
+    mitsuba::read_ply_file(file, {.corner_uvs = true});
+}
+
 void read_picture(const fs::path& file) { read_photograph(file.string()); }
 void read_glb_mesh(const fs::path& file) { read_mesh(file); }
 
 constexpr Reader kReaders[] = {
     {"scene", "scene.xml", [](const fs::path& file) { load_scene(file); }},
-    {"ply", "read.ply", [](const fs::path& file) { mitsuba::read_ply_file(file); }},
+    {"ply", "read.ply", read_ply},
     {"obj", "read.obj", [](const fs::path& file) { mitsuba::read_obj_file(file); }},
     {"glb", "read.glb", read_glb_mesh},
     {"serialized", "read.serialized", read_serialized_mesh},

@@ -259,6 +259,20 @@ TEST_F(DamagedImages, SizesBeyondWhatAJpegCanHoldAreRefused) {
     }
 }
 
+/// Each scan goes over all pixels, whatever its bytes are.
+TEST_F(DamagedImages, AProgressiveJpegOfThousandsOfScansIsRefused) {
+    const std::string jpeg = make_jpeg(smooth_image(16, 16, 1), 1, true), mark = "\xff\xda";
+    const std::size_t first = jpeg.find(mark), begin = jpeg.find(mark, first + 2),
+                      end = jpeg.find(mark, begin + 2);
+    ASSERT_NE(end, std::string::npos);
+    std::string scan = jpeg.substr(begin, end - begin);
+    scan[9] = 0;  // of whole coefficients: as often as one likes
+    std::string scans;
+    for (int i = 0; i < 2000; ++i) scans += scan;
+    const std::string text = error_of(jpeg.substr(0, begin) + scans + "\xff\xd9");
+    EXPECT_NE(text.find("found more than 500 scans"), std::string::npos) << text;
+}
+
 /// Of one grey, in as few bytes as there can be.
 TEST_F(DamagedImages, FlatJpegsAreRead) {
     for (const int channels : {1, 3})

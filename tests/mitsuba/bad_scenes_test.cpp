@@ -2,6 +2,8 @@
 // expected.
 #include <gtest/gtest.h>
 
+#include <ctime>
+
 #include "core/random.h"
 #include "mitsuba/temporary_scene.h"
 
@@ -474,6 +476,31 @@ TEST(BadSceneFiles, DeepNestingIsRefused) {
         folder, "a.xml",
         "<scene version='3.0.0'>" + chain + "<bsdf type='diffuse' id='m20000'/></scene>");
     EXPECT_NE(error_of(chained).find("nested too deeply"), std::string::npos);
+}
+
+TEST(BadSceneFiles, InstancesOfTooManyShapesAreRefused) {
+    const TemporaryFolder folder;
+    std::string members, instances;
+    for (int i = 0; i < 2000; ++i) members += "<shape type='sphere'/>";
+    for (int i = 0; i < 2001; ++i) instances += "<shape type='instance'><ref id='g'/></shape>";
+    const auto file = write_text(folder, "a.xml",
+                                 "<scene version='3.0.0'><shape type='shapegroup' id='g'>" +
+                                     members + "</shape>" + instances + "</scene>");
+    EXPECT_NE(error_of(file).find("holds more than 4000000 shapes"), std::string::npos)
+        << error_of(file);
+}
+
+/// Names are looked up among all children: 2 10^10 comparisons one by one.
+TEST(BadSceneFiles, ManyShapesOfAMergeAreReadSoon) {
+    const TemporaryFolder folder;
+    std::string members;
+    for (int i = 0; i < 200'000; ++i) members += "<shape type='blob'/>";
+    const auto file =
+        write_text(folder, "a.xml",
+                   "<scene version='3.0.0'><shape type='merge'>" + members + "</shape></scene>");
+    const std::clock_t begin = std::clock();
+    EXPECT_NE(error_of(file).find("unknown shape \"blob\""), std::string::npos) << error_of(file);
+    EXPECT_LT(std::clock() - begin, 10 * CLOCKS_PER_SEC);
 }
 
 /// Damaged scene files load or throw InputError.

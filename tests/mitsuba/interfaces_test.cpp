@@ -227,6 +227,10 @@ TEST(InterfaceScenes, BadOnesAreRefusedWithTheirPlace) {
            "\"k\" is (-1, -1, -1), expected no negative value");
     expect("<bsdf type='conductor'><spectrum name='eta' value='-1'/></bsdf>",
            "\"eta\" is (-1, -1, -1), expected no negative value");
+    expect(
+        "<bsdf type='conductor'><spectrum name='eta' type='rawconstant'><vector name='value' "
+        "value='-2, 1, 1'/></spectrum></bsdf>",
+        "\"eta\" is (-2, 1, 1), expected no negative value");
     expect("<bsdf type='roughconductor'><float name='alpha_u' value='0.2'/></bsdf>",
            "found \"alpha_u\" alone, expected both");
     expect(

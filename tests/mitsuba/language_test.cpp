@@ -382,6 +382,11 @@ TEST(Language, PrincipledFlagsAndEta) {
     EXPECT_NEAR(principled("<float name='specular' value='0'/>").eta, 1.0f, 1e-6f);
     EXPECT_EQ(principled("<float name='eta' value='1'/><float name='spec_trans' value='0.5'/>").eta,
               1.001f);
+    EXPECT_EQ(principled("<float name='eta' value='1.00000001'/><float name='spec_trans' "
+                         "value='0.5'/>")
+                  .eta,
+              1.001f)
+        << "no other float";
     EXPECT_EQ(principled("<float name='eta' value='1'/>").eta, 1.0f);
     EXPECT_EQ(principled("")[PrincipledScalar::kRoughness].constant, 0.5f);
     EXPECT_EQ(
