@@ -234,7 +234,7 @@ def test_outputs_that_cannot_be_written(problem, tmp_path):
 def test_a_folder_of_checkpoints_that_cannot_be_made_is_said_before_the_run(problem, tmp_path):
     (tmp_path / "loop").symlink_to("loop")
     for folder in (tmp_path / "loop", tmp_path / ("a" * 300), tmp_path / "loop" / "within"):
-        with pytest.raises(burnish.OutputError, match="the folder cannot be made"):
+        with pytest.raises(burnish.OutputError, match="cannot be (made|read)"):
             burnish.solve(problem, checkpoints=folder, iterations=1, callback=lambda i: pytest.fail("it runs"))
     with pytest.raises(burnish.InputError, match="the folder of the checkpoints has no name"):
         burnish.solve(problem, checkpoints="", iterations=1, callback=lambda i: pytest.fail("it runs"))
