@@ -35,4 +35,9 @@ std::optional<T> parsed(std::string_view word) {
     return std::nullopt;
 }
 
+/// Without the "+" that may stand before a number, but for one before another sign.
+inline std::string_view without_plus(std::string_view word) {
+    return word.substr(word.starts_with('+') && !word.starts_with("+-"));
+}
+
 }  // namespace burnish

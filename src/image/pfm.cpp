@@ -31,9 +31,8 @@ std::string_view next_word(std::string_view bytes, std::size_t& offset) {
 
 template <class T>
 T number(const std::string& name, std::string_view bytes, std::size_t& offset, const char* what) {
-    std::string_view word = next_word(bytes, offset).substr(0, 40);
-    if (word.starts_with('+') && !word.starts_with("+-")) word.remove_prefix(1);
-    const std::optional<T> value = parsed<T>(word);
+    const std::string_view word = next_word(bytes, offset).substr(0, 40);
+    const std::optional<T> value = parsed<T>(without_plus(word));
     if (!value)
         formats::fail(name, "PFM",
                       "byte offset " + std::to_string(offset) + ": found \"" + std::string(word) +

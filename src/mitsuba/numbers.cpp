@@ -17,8 +17,7 @@ bool contains_word(std::string_view words, std::string_view word) {
 }
 
 double parse_number(std::string_view word, const Place& place) {
-    const std::string_view digits = !word.empty() && word[0] == '+' ? word.substr(1) : word;
-    const std::optional<double> value = parsed<double>(digits);
+    const std::optional<double> value = parsed<double>(without_plus(word));
     if (!value || !(std::abs(*value) <= std::numeric_limits<float>::max()))
         fail(place, fmt::format("found \"{:.40}\", expected a finite number", word));
     return *value;

@@ -79,8 +79,7 @@ void check_numbers(const ObjReader& reader, std::string_view line, std::size_t m
     std::size_t found = 0;
     line.remove_prefix(std::min(line.find_first_of(" \t", line.find('v')), line.size()));
     for_words(line, " \t\r\n", [&](std::string_view word) {
-        word.remove_prefix(word.starts_with('+'));
-        const std::optional<double> value = parsed<double>(word);
+        const std::optional<double> value = parsed<double>(without_plus(word));
         if (!value || !(std::abs(*value) < 1e38))
             reader.fail(fmt::format("found \"{:.40}\", expected a finite number", word));
         ++found;
@@ -90,9 +89,7 @@ void check_numbers(const ObjReader& reader, std::string_view line, std::size_t m
 }
 
 /// An index is a whole number that an int holds; empty: none is given.
-bool is_index(std::string_view word) {
-    return word.empty() || parsed<int>(word.substr(word.starts_with('+')));
-}
+bool is_index(std::string_view word) { return word.empty() || parsed<int>(without_plus(word)); }
 
 /// The first word of a text, which it leaves; words are parted by one of `separators`.
 std::string_view take_word(std::string_view& text, const char* separators) {

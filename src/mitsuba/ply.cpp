@@ -49,15 +49,15 @@ double read_ascii(PlyReader& reader) {
     reader.offset = static_cast<std::size_t>(p - reader.bytes.data());
     if (p == end) reader.fail("the file ends too early, expected a number");
     double value = 0;
-    const auto [next, error] = std::from_chars(p + (*p == '+'), end, value);
+    const std::string_view rest(p, static_cast<std::size_t>(end - p));
+    const auto [next, error] = std::from_chars(without_plus(rest).data(), end, value);
     const std::string_view word(p, static_cast<std::size_t>(next - p));
     if (error == std::errc::result_out_of_range && !is_tiny(word))
         value = (*p == '-' ? -1 : 1) * std::numeric_limits<double>::infinity();
     const bool ends =
         next == end || *next == ' ' || *next == '\t' || *next == '\r' || *next == '\n';
     if ((error != std::errc() && error != std::errc::result_out_of_range) || !ends)
-        reader.fail(fmt::format("found \"{:.12}\", expected a number",
-                                std::string_view(p, static_cast<std::size_t>(end - p))));
+        reader.fail(fmt::format("found \"{:.12}\", expected a number", rest));
     reader.offset = static_cast<std::size_t>(next - reader.bytes.data());
     return value;
 }

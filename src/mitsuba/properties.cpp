@@ -120,7 +120,7 @@ int take_integer(Properties& properties, const std::string& name, int fallback, 
     if (!property) return fallback;
     expect_tag(*property, {"integer"});
     const std::string text = value_of(*property);
-    const std::optional<int> value = parsed<int>(text);
+    const std::optional<int> value = parsed<int>(without_plus(text));
     if (!value || *value < minimum || *value > maximum)
         fail(property->site->place,
              fmt::format("the parameter \"{}\" is \"{:.40}\", expected an integer in [{}, {}]",

@@ -134,9 +134,7 @@ std::span<const Choice<E>> choices() {
 const char* name_of(const Estimator& estimator) { return choice_name(estimator); }
 
 std::optional<double> parse_number(const std::string& text) {
-    std::string_view word = text;
-    if (word.starts_with('+') && !word.starts_with("+-")) word.remove_prefix(1);
-    const std::optional<double> number = parsed<double>(word);
+    const std::optional<double> number = parsed<double>(without_plus(text));
     return number && std::isfinite(*number) ? number : std::nullopt;
 }
 

@@ -33,5 +33,12 @@ TEST(Parsed, WhatIsTooCloseToZeroIsZero) {
     EXPECT_EQ(parsed<double>("1e-999x"), std::nullopt);
 }
 
+TEST(Parsed, APlusMayStandBeforeANumberButNotBeforeASign) {
+    EXPECT_EQ(without_plus("+5"), "5");
+    for (const char* word : {"", "5", "-5", "+-5"}) EXPECT_EQ(without_plus(word), word);
+    EXPECT_EQ(parsed<int>(without_plus("+")), std::nullopt);
+    EXPECT_EQ(parsed<int>(without_plus("++5")), std::nullopt);
+}
+
 }  // namespace
 }  // namespace burnish

@@ -568,6 +568,17 @@ TEST(Language, NumbersTooCloseToZeroAreZero) {
     EXPECT_EQ(first_sphere(loaded).center.y, 2);
 }
 
+TEST(Language, APlusMayStandBeforeANumber) {
+    const TemporaryFolder folder;
+    const LoadedScene loaded =
+        load_text(folder, kLight +
+                              "<integrator type='path'><integer name='max_depth' value='+5'/>"
+                              "</integrator><shape type='sphere'><float name='radius' value='+2'/>"
+                              "</shape>");
+    EXPECT_EQ(loaded.scene.max_depth, 5);
+    EXPECT_EQ(first_sphere(loaded).radius, 2);
+}
+
 TEST(Language, ASceneWithoutSensorIsSeenWhole) {
     const TemporaryFolder folder;
     const LoadedScene loaded = load_text(folder, "<emitter type='constant'/><shape type='cube'/>");

@@ -128,6 +128,7 @@ TEST(Ply, MessagesSayWhere) {
            ":16: found the vertex index -1, expected one in [0, 2]");
     expect(kAsciiPly, "3 0 1 2", "2 0 1", ":16: found a face of 2 vertices, expected at least 3");
     expect(kAsciiPly, "1 0 0 0 0 1", "1 zero 0 0 0 1", ":14: found \"zero");
+    expect(kAsciiPly, "1 0 0 0 0 1", "1 +-1 0 0 0 1", ":14: found \"+-1");
     for (const char* number : {"nan", "1e999", "-1e999", "1e39"})
         expect(kAsciiPly, "1 0 0 0 0 1", std::string(number) + " 0 0 0 0 1",
                ":14: found a vertex that is not finite");
@@ -342,6 +343,8 @@ TEST(Obj, MessagesSayWhere) {
     expect(kObj, "v 2 2 0", "v 2 two 0", ":6: found \"two\", expected a finite number");
     expect(kObj, "vt 1 0.25", "vt 1e999 0", ":10: found \"1e999\", expected a finite number");
     expect(kObj, "v 2 2 0", "v 2 -1e999 0", ":6: found \"-1e999\", expected a finite number");
+    expect(kObj, "v 2 2 0", "v 2 +-2 0", ":6: found \"+-2\", expected a finite number");
+    expect(kObj, "4/1", "4/+-1", ":13: found \"4/+-1\", expected whole numbers between slashes");
     expect(kObj, "v 2 2 0", "v 2 2", ":6: found 2 numbers, expected at least 3");
     expect("v 0 0 0\n", "v", "v", ": found no faces, expected an OBJ file with at least one");
 }
