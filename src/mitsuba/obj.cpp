@@ -131,22 +131,25 @@ void check_face(const std::string& name, int number, std::span<char> text) {
             fmt::format("{}:{}: found a face without vertices, expected at least 3", name, number));
 }
 
-/// Comments, which may end any line, become blanks: tinyobjloader reads them as indices.
-void blank_comments(std::string& text) {
-    bool inside = false;
-    for (char& c : text) {
-        inside = c != '\n' && c != '\r' && (inside || c == '#');
-        if (inside) c = ' ';
-    }
+/// A comment, which may end any line, becomes blanks: tinyobjloader reads it as indices. The name
+/// of a material may have a "#" within.
+void blank_comment(std::span<char> text) {
+    const std::string_view line(text.data(), text.size());
+    const std::size_t first = std::min(line.find_first_not_of(" \t"), line.size());
+    const bool has_name = line.substr(first).starts_with("usemtl");
+    const std::size_t at = has_name ? std::min(line.find(" #"), line.find("\t#")) : line.find('#');
+    std::ranges::fill(text.subspan(std::min(at, line.size())), ' ');
 }
 
-/// tinyobjloader leaves out a face without vertices, and takes what is no index for another one:
-/// check the words of the faces, and leave what it reads rightly.
-void check_faces(const std::string& name, std::string& text) {
+/// tinyobjloader leaves out a face without vertices, and takes comments and what is no index for
+/// indices: check the words of the faces, and leave what it reads rightly.
+void prepare_lines(const std::string& name, std::string& text) {
     int line = 0;
     for (std::size_t begin = 0; begin < text.size();) {
         const std::size_t end = std::min(text.find_first_of("\r\n", begin), text.size());
-        check_face(name, ++line, std::span(text).subspan(begin, end - begin));
+        const std::span<char> characters = std::span(text).subspan(begin, end - begin);
+        blank_comment(characters);
+        check_face(name, ++line, characters);
         begin = end + (text.compare(end, 2, "\r\n") == 0 ? 2 : 1);
     }
 }
@@ -251,8 +254,7 @@ MeshFile to_mesh(ObjReader& reader) {
 
 MeshFile read_obj_file(const std::filesystem::path& file) {
     std::string text = read_text_bytes(file);
-    blank_comments(text);
-    check_faces(file.string(), text);
+    prepare_lines(file.string(), text);
     ObjReader reader{file.string(), text, std::istringstream(text)};
     tinyobj::callback_t callback;
     callback.vertex_cb = on_position;

@@ -224,6 +224,19 @@ TEST(Obj, CommentsMayEndAnyLine) {
     EXPECT_EQ(mesh.normals[0].z, 1);
 }
 
+TEST(Obj, NamesOfMaterialsMayHaveASharpWithin) {
+    const TemporaryFolder folder;
+    const auto materials = [&](const std::string& first, const std::string& second) {
+        return read_obj_file(write_text(folder, "a.obj",
+                                        "v -1 -1 0\nv 1 -1 0\nv 1 1 0\nusemtl " + first +
+                                            "\nf 1 2 3\n usemtl " + second + "\r\nf 1 2 3#4\n"))
+            .materials;
+    };
+    EXPECT_EQ(materials("Material#1", "Material#2"), 2u);
+    EXPECT_EQ(materials("Material#1", "Material#1 # of the back"), 1u);
+    EXPECT_EQ(materials("red # 1", "red\t#2"), 1u);
+}
+
 /// Two squares side by side, of which only the first has texture coordinates or normals.
 std::string two_squares(const std::string& given, const std::string& face) {
     return "v -1 -1 0\nv 0 -1 0\nv 0 1 0\nv -1 1 0\nv 1 -1 0\nv 1 1 0\n" + given + face +
