@@ -53,6 +53,8 @@ struct Reader {
     FoundMesh file;
     std::set<const nlohmann::json*> nodes;
     std::set<std::size_t> materials;
+    std::size_t primitives = 0;         ///< of any kind, as often as nodes show them
+    std::size_t vertices_read = 0;      ///< of triangles, whether they are kept or not
     std::size_t others = 0;             ///< points and lines
     std::set<std::string> unread = {};  ///< a sentence for each kind of what changes a mesh
     std::string without_uvs = {};       ///< the first primitive without texture coordinates
@@ -76,11 +78,16 @@ std::vector<float> attribute(const Glb& glb, const Value& attributes, const char
     return values;
 }
 
-Mesh read_primitive(const Glb& glb, const Value& primitive, std::size_t mode) {
+std::size_t vertices_of(const Glb& glb, const Value& primitive) {
     require_member(primitive, "attributes");
     const Value attributes = member(primitive, "attributes");
     require_member(attributes, "POSITION");
-    const std::size_t count = accessor(glb, member(attributes, "POSITION"), "VEC3", 3).count;
+    return accessor(glb, member(attributes, "POSITION"), "VEC3", 3).count;
+}
+
+Mesh read_primitive(const Glb& glb, const Value& primitive, std::size_t mode) {
+    const std::size_t count = vertices_of(glb, primitive);
+    const Value attributes = member(primitive, "attributes");
     const std::vector<float> positions = attribute(glb, attributes, "POSITION", 3, count),
                              normals = attribute(glb, attributes, "NORMAL", 3, count),
                              uvs = attribute(glb, attributes, "TEXCOORD_0", 2, count);
@@ -131,8 +138,8 @@ void append(const Mesh& part, const Transform& to_world, Mesh& mesh) {
     }
 }
 
-/// How many vertices and how many triangles a file may have in all. Nodes and primitives may share
-/// what it holds, so that a small file could have any number.
+/// How many primitives, vertices and triangles each a file may have in all. Nodes and primitives
+/// may share what it holds, so that a small file could have any number.
 std::size_t most_of(const Glb& glb) {
     constexpr std::size_t kMost = 100'000'000, kAlways = 1'000'000, kPerByte = 16;
     return std::min(kMost, std::max(kAlways, kPerByte * glb.bytes.size()));
@@ -175,12 +182,17 @@ void add_primitive(const Value& mesh, std::size_t index, const Transform& to_wor
     constexpr std::size_t kTriangles = 4, kFan = 6;
     const Value primitive = element(member(mesh, "primitives"), index);
     const std::size_t mode = whole_or(primitive, "mode", kTriangles, kFan);
+    const std::size_t most = most_of(reader.glb);
+    if (++reader.primitives > most)
+        fail(primitive, fmt::format("at most {} primitives in all", most));
     if (mode < kTriangles) {
         ++reader.others;
         return;
     }
+    reader.vertices_read += vertices_of(reader.glb, primitive);
+    if (reader.vertices_read > most)
+        fail(primitive, fmt::format("at most {} vertices in all", most));
     Mesh part = read_primitive(reader.glb, primitive, mode);
-    const std::size_t most = most_of(reader.glb);
     const Mesh& read = reader.file.mesh;
     const std::size_t vertices =
         part.normals.empty() ? 3 * part.triangles.size() : part.positions.size();

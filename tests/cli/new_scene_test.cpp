@@ -918,6 +918,40 @@ TEST_F(NewSceneTest, TrianglesOfAGlbAreBounded) {
         << complaint(document, many.data.bytes);
 }
 
+/// Primitives that share a large accessor, of which each shows two triangles.
+TEST_F(NewSceneTest, VerticesThatAGlbReadsAreBounded) {
+    constexpr std::size_t kVertices = 2000;
+    Gltf many;
+    const int positions = many.data.add(std::vector<float>(3 * kVertices));
+    Document& document = many.document;
+    document["bufferViews"] = many.data.views;
+    document["buffers"][0]["byteLength"] = many.data.bytes.size();
+    document["accessors"][0]["bufferView"] = positions;
+    document["accessors"][0]["count"] = kVertices;
+    Document& primitives = document["meshes"][0]["primitives"];
+    primitives[0]["attributes"].erase("TEXCOORD_0");
+    const Document first = primitives[0];
+    for (int i = 0; i < 600; ++i) primitives.push_back(first);
+    const std::string found = complaint(document, many.data.bytes);
+    EXPECT_TRUE(contains(found, "primitives[500]: found")) << found;
+    EXPECT_TRUE(contains(found, "at most 1000000 vertices in all")) << found;
+}
+
+/// Points that many nodes show.
+TEST_F(NewSceneTest, PrimitivesOfAGlbAreBounded) {
+    Document document = Gltf().document;
+    Document& primitives = document["meshes"][0]["primitives"];
+    const Document points = {{"attributes", Document::object()}, {"mode", 0}};
+    primitives = Document::array();
+    for (int i = 0; i < 1000; ++i) primitives.push_back(points);
+    for (int i = 0; i < 1100; ++i) {
+        document["scenes"][0]["nodes"].push_back(document["nodes"].size());
+        document["nodes"].push_back({{"mesh", 0}});
+    }
+    const std::string found = complaint(document);
+    EXPECT_TRUE(contains(found, "at most 1000000 primitives in all")) << found;
+}
+
 TEST_F(NewSceneTest, WarningsNameTheFilesThatAreLeft) {
     Image sky = make_image(8, 4, 3, 2.0f);
     sky.values[5] = std::nanf("");
