@@ -11,6 +11,7 @@
 
 #include "burnish/error.h"
 #include "captures/json_value.h"
+#include "core/utf8.h"
 #include "image/files.h"
 
 namespace burnish {
@@ -72,15 +73,6 @@ Json json_of(const OptionInfo& info, const std::string& text) {
     return number || text == "true" || text == "false" ? Json::parse(text) : Json(text);
 }
 
-bool is_utf8(const std::string& text) {
-    try {
-        Json(text).dump();
-        return true;
-    } catch (const Json::type_error&) {
-        return false;
-    }
-}
-
 /// Bytes that are not ASCII as \xNN.
 std::string ascii(const std::string& text) {
     std::string result;
@@ -135,7 +127,7 @@ Json settings_json(const Settings& settings) {
 void require_recordable(const Settings& settings) {
     for (const SettingText& s : recorded_settings(settings))
         for (const std::string& value : s.values)
-            if (!is_utf8(value))
+            if (utf8_prefix(value) < value.size())
                 throw InputError(fmt::format(
                     "{}: found \"{}\", expected a text in UTF-8, which the record of the run can "
                     "hold: another name, or a relative one where a folder has this name",

@@ -7,6 +7,7 @@
 #include <set>
 #include <string_view>
 
+#include "core/utf8.h"
 #include "image/files.h"
 #include "mitsuba/spectra.h"
 #include "mitsuba/substitute.h"
@@ -207,6 +208,9 @@ Node read_file(Parser& parser, const fs::path& file, const std::string& shown, c
 
     const std::string text = read_text_bytes(file);
     const Lines lines(shown, text);
+    if (const std::size_t end = utf8_prefix(text); end < text.size())
+        fail(lines.at(end),
+             "found text that is not UTF-8, expected a scene that is saved as UTF-8");
     pugi::xml_document xml;
     const pugi::xml_parse_result result =
         xml.load_buffer(text.data(), text.size(), pugi::parse_default, pugi::encoding_utf8);

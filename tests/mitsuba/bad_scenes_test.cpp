@@ -393,6 +393,27 @@ TEST(BadSceneFiles, NoSceneAtAll) {
               std::string::npos);
 }
 
+TEST(BadSceneFiles, TextsThatAreNotUtf8AreRefused) {
+    const TemporaryFolder folder;
+    const std::string sentence =
+        "found text that is not UTF-8, expected a scene that is saved as UTF-8";
+    const std::string text =
+        "<?xml version='1.0' encoding='iso-8859-1'?>\n<scene version='3.0.0'>\n"
+        "<bsdf type='diffuse' id='caf\xE9'/></scene>\n";
+    auto file = write_text(folder, "latin.xml", text);
+    EXPECT_EQ(error_of(file), file.string() + ":3:29: " + sentence);
+    for (const bool is_big_endian : {false, true}) {
+        std::string wide = is_big_endian ? "\xFE\xFF" : "\xFF\xFE";
+        for (const char c : std::string("<scene version='3.0.0'/>"))
+            wide += is_big_endian ? std::string{'\0', c} : std::string{c, '\0'};
+        file = write_text(folder, "wide.xml", wide);
+        EXPECT_EQ(error_of(file), file.string() + ":1:1: " + sentence);
+    }
+    file = write_text(folder, "scene.xml",
+                      "<scene version='3.0.0'>\n<include filename='latin.xml'/></scene>");
+    EXPECT_NE(error_of(file).find("latin.xml:3:29: " + sentence), std::string::npos);
+}
+
 TEST(BadSceneFiles, ANormalMapOfOneChannelIsRefused) {
     const TemporaryFolder folder;
     write_image(folder.path / "gray.png", make_image(2, 2, 1, 0.5f));
