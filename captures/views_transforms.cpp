@@ -239,23 +239,24 @@ std::vector<std::string> names_of(const Value& frames) {
     return names;
 }
 
-/// Calls body(entry, name) for each path of a list of the file, which must be that of a frame.
+enum class Use { kFitted, kHeldOut, kLeftOut };
+
+/// Calls body(entry, use) for each path of a list of the file, which must be that of a frame. use:
+/// of that frame. first: the first frame's name.
 template <class Body>
-void for_listed(const Value& file, const char* name, const std::vector<std::string>& frames,
-                const Body& body) {
+void for_listed(const Value& file, const char* name, const std::string& first,
+                std::map<std::string, Use>& uses, const Body& body) {
     if (!has(file, name)) return;
     const Value list = member(file, name);
     if (!list.value.is_array()) fail(list, "an array of paths");
     for (std::size_t i = 0; i < list.value.size(); ++i) {
         const Value entry = element(list, i);
-        const std::string wanted = name_of_path(text(entry));
-        if (std::find(frames.begin(), frames.end(), wanted) == frames.end())
-            fail(entry, fmt::format("the file_path of a frame, as \"{}\"", frames[0]));
-        body(entry, wanted);
+        const auto frame = uses.find(name_of_path(text(entry)));
+        if (frame == uses.end())
+            fail(entry, fmt::format("the file_path of a frame, as \"{}\"", first));
+        body(entry, frame->second);
     }
 }
-
-enum class Use { kFitted, kHeldOut, kLeftOut };
 
 /// What the lists of the file make of its frames, as in nerfstudio: where there are frames for
 /// training, those in no list are left out.
@@ -264,13 +265,12 @@ std::map<std::string, Use> uses_of(const Value& file, const std::vector<std::str
     const Use others = has(file, kFitted) ? Use::kLeftOut : Use::kFitted;
     std::map<std::string, Use> uses;
     for (const std::string& name : frames) uses[name] = others;
-    for_listed(file, kFitted, frames,
-               [&](const Value&, const std::string& name) { uses[name] = Use::kFitted; });
+    for_listed(file, kFitted, frames[0], uses, [](const Value&, Use& use) { use = Use::kFitted; });
     for (const char* held_out : {"test_filenames", "val_filenames"})
-        for_listed(file, held_out, frames, [&](const Value& entry, const std::string& name) {
-            if (has(file, kFitted) && uses[name] == Use::kFitted)
+        for_listed(file, held_out, frames[0], uses, [&](const Value& entry, Use& use) {
+            if (has(file, kFitted) && use == Use::kFitted)
                 fail(entry, fmt::format("a frame that is not in {}", kFitted));
-            uses[name] = Use::kHeldOut;
+            use = Use::kHeldOut;
         });
     if (std::all_of(uses.begin(), uses.end(),
                     [](const auto& use) { return use.second == Use::kLeftOut; }))

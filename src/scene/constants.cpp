@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <map>
+#include <tuple>
 
 #include "burnish/error.h"
 #include "core/parsed.h"
@@ -20,9 +22,13 @@ int side_of(std::string_view text) {
     return side >= 1 && side <= kMaxSide ? side : 0;
 }
 
+/// Of constants that are one number of the scene file, where they have an element.
+std::tuple<int, bool, int> number_of(const ConstantParameter& c) {
+    return {c.element, bool(c.blend), c.input};
+}
+
 bool is_one_number(const ConstantParameter& a, const ConstantParameter& b) {
-    if (a.element < 0) return &a == &b;
-    return a.element == b.element && bool(a.blend) == bool(b.blend) && a.input == b.input;
+    return a.element < 0 ? &a == &b : number_of(a) == number_of(b);
 }
 
 /// Those that are one number of the scene file with a constant of the scene's.
@@ -104,11 +110,12 @@ std::size_t free_constant(Scene& scene, const ConstantParameter& constant, const
 /// Constants as parameters: their texture is the first that is one number with them.
 std::vector<Parameter> listed(const std::vector<ConstantParameter>& constants) {
     std::vector<Parameter> all;
+    std::map<std::tuple<int, bool, int>, std::int32_t> indices;
     for (const ConstantParameter& c : constants) {
-        const auto first =
-            std::find_if(constants.begin(), constants.end(),
-                         [&](const ConstantParameter& other) { return is_one_number(other, c); });
-        all.push_back({c.name, {static_cast<std::int32_t>(first - constants.begin())}});
+        const auto index = static_cast<std::int32_t>(all.size());
+        all.push_back(
+            {c.name,
+             {c.element < 0 ? index : indices.try_emplace(number_of(c), index).first->second}});
     }
     return all;
 }
