@@ -571,11 +571,9 @@ TEST(Language, NumbersTooCloseToZeroAreZero) {
 TEST(Language, APlusMayStandBeforeANumber) {
     const TemporaryFolder folder;
     const LoadedScene loaded =
-        load_text(folder, kLight +
-                              "<integrator type='path'><integer name='max_depth' value='+5'/>"
-                              "</integrator><shape type='sphere'><float name='radius' value='+2'/>"
-                              "</shape>");
-    EXPECT_EQ(loaded.scene.max_depth, 5);
+        load_text(folder, with_film("<integer name='width' value='+40'/>") +
+                              "<shape type='sphere'><float name='radius' value='+2'/></shape>");
+    EXPECT_EQ(loaded.scene.film.width, 40);
     EXPECT_EQ(first_sphere(loaded).radius, 2);
 }
 
