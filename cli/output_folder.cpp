@@ -9,6 +9,7 @@
 #include <cerrno>
 #include <cstdlib>
 #include <cstring>
+#include <exception>
 #include <set>
 #include <utility>
 
@@ -144,12 +145,21 @@ void remove_wholly(const fs::path& folder) {
         fs::remove_all(folder, ignored);
 }
 
+/// Where they cannot be listed there may be some.
+bool may_hold_checkpoints(const fs::path& folder) {
+    try {
+        return !all_checkpoints(folder).empty();
+    } catch (const std::exception&) {
+        return true;
+    }
+}
+
 /// Removes what is unfinished, and folders that were made where nothing else is in them. The lock
 /// is closed before the last of it goes: from there on folders go only where they are empty, so
 /// nothing of a run that begins then.
 void discard(const fs::path& folder, const fs::path& made, int lock) {
     const fs::path unfinished = folder / kUnfinished;
-    if (all_checkpoints(folder).empty()) remove_histories(folder);
+    if (!may_hold_checkpoints(folder)) remove_histories(folder);
     remove_wholly(unfinished);
     close(lock);
     std::error_code ignored;
@@ -172,6 +182,7 @@ void find_content(OutputFolder& output, Found found) {
         output.earlier_files = std::move(*files);
     }
     refuse_links(output.folder);
+    all_checkpoints(output.folder);  // throws where they cannot be listed
     refuse_content(output, found);
 }
 
@@ -290,7 +301,7 @@ void clear_checkpoints(OutputFolder& output) {
 }
 
 bool keeps_run(const OutputFolder& output) {
-    return output.owns_checkpoints && !all_checkpoints(output.folder).empty();
+    return output.owns_checkpoints && may_hold_checkpoints(output.folder);
 }
 
 std::vector<std::string> checkpoint_files(const OutputFolder& output) {

@@ -42,8 +42,8 @@ std::vector<std::vector<std::string>> gather_texts(const Ranks& ranks,
     return all;
 }
 
-/// what: in the message, "other settings". The first text says how many more there are: it is
-/// compared on all processes before the others.
+/// what: in the message, "other settings". Where processes may have different numbers of texts, the
+/// first one says how many: it is compared on all processes before the others.
 void require_same(const char* what, const NamedTexts& own, const Ranks& ranks) {
     const auto all = gather_texts(ranks, own.texts);
     const std::vector<std::string>& expected = all.front();

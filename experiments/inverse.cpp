@@ -172,8 +172,7 @@ std::string reason_of_steps(const std::vector<Method>& methods, const Budget& bu
     return fmt::format(
         "Steps of Adam are the longer, the longer a gradient and its errors stay as they are, and "
         "reused samples keep theirs: the step of iteration {} moves a texel by {:.2f} of the "
-        "learning "
-        "rate with mc and by {:.2f} with pgris and replay.",
+        "learning rate with mc and by {:.2f} with pgris and replay.",
         budget.iterations, length(kMc), length(kReplay));
 }
 

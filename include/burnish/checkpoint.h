@@ -60,8 +60,9 @@ struct Checkpoints {
 Checkpoint load_checkpoint(const std::string& folder, const Ranks& ranks = {});
 
 /// As solve() of burnish/solve.h, with checkpoints. Throws InputError, too, where their folder has
-/// no name, and OutputError where nobody hears of it (Checkpoints::note): the folder cannot be
-/// made, before the first iteration, or a checkpoint cannot be written.
+/// no name, and OutputError: the folder cannot be read; where nobody hears of it
+/// (Checkpoints::note), it cannot be made, before the first iteration, or a checkpoint cannot be
+/// written.
 Summary solve(Problem problem, const Options& options, const Checkpoints& checkpoints,
               const Callback& callback = {}, const StageProgress& progress = {});
 /// Goes on from a checkpoint. Stop, the iterations and the seconds of the summary count from the

@@ -83,7 +83,7 @@ Transform to_local_of(const Place& place, const Transform& to_world) {
 }
 
 /// Few bytes can name many: each instance holds all shapes of its group.
-constexpr std::size_t kMaxShapes = 4'000'000;
+constexpr std::size_t kMaxShapes = 2'000'000;
 
 void load_instance(Loader& loader, Properties& properties) {
     const Place& place = properties.node->place;

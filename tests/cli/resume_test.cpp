@@ -340,9 +340,14 @@ TEST_F(Resume, CheckpointsThatCannotBeReadAreNotNone) {
     };
     fs::create_directory_symlink("checkpoints", folder / "out/checkpoints");
     expect_said("Too many levels of symbolic links");
-    if (geteuid() == 0) return;
     fs::remove(folder / "out/checkpoints");
     fs::create_directory(folder / "out/checkpoints");
+    fs::create_directory_symlink("compared", folder / "out/checkpoints/compared");
+    expect_refused(std::string(kLongRun) + "--force -o out", 73,
+                   "out/checkpoints/compared: cannot be read: ");
+    fs::remove(folder / "out/checkpoints/compared");
+    if (geteuid() == 0) return;
+    fs::create_directories(folder / "out/checkpoints");
     fs::permissions(folder / "out/checkpoints", fs::perms::none);
     expect_said("Permission denied");
     fs::permissions(folder / "out/checkpoints", fs::perms::owner_all);

@@ -379,7 +379,6 @@ TEST_F(CheckpointTest, ANewRunReplacesWhatAnEarlierOneHasLeft) {
     EXPECT_TRUE(newest.damaged.empty());
 }
 
-/// A state that somebody saved there, and a copy of a checkpoint.
 /// They would count as none, and the run would begin anew.
 TEST_F(CheckpointTest, AFolderThatCannotBeReadIsAnError) {
     const fs::path loop = fs::path(checkpoints.folder) / "loop";
@@ -389,6 +388,7 @@ TEST_F(CheckpointTest, AFolderThatCannotBeReadIsAnError) {
     EXPECT_TRUE(checkpoints_in(fs::path(checkpoints.folder) / "missing").empty());
 }
 
+/// A state that somebody saved there, and a copy of a checkpoint.
 TEST_F(CheckpointTest, FilesOfOtherNamesAreLeftAlone) {
     Options options;
     options.estimator = MonteCarlo{1, 1}, options.evaluation_samples = 2;
