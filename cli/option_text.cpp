@@ -1,7 +1,6 @@
 #include "cli/option_text.h"
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <algorithm>
 
@@ -24,11 +23,8 @@ CLI::Validator not_empty() { return CLI::Validator(complaint_of_empty, ""); }
 void require_known(const char* what, const std::string& name,
                    const std::vector<std::string>& known) {
     if (std::ranges::find(known, name) != known.end()) return;
-    const std::string nearest = nearest_name(name, known);
     throw UsageError(
-        fmt::format("there is no {} '{}', {} one of {}", what, name,
-                    nearest.empty() ? "expected" : "did you mean " + nearest + "? Expected",
-                    fmt::join(known, ", ")));
+        fmt::format("there is no {} '{}', {}", what, name, expected_name(name, known)));
 }
 
 }  // namespace burnish

@@ -50,12 +50,8 @@ void write_procedural_scene(const std::string& name, const std::filesystem::path
         write_bytes(folder / "LICENSE", kLicence);
         return;
     }
-    const std::vector<std::string> names = procedural_scene_names();
-    const std::string nearest = nearest_name(name, names);
-    throw InputError(
-        fmt::format("no procedural scene is called '{}', {} one of {}", name,
-                    nearest.empty() ? "expected" : "did you mean " + nearest + "? Expected",
-                    fmt::join(names, ", ")));
+    throw InputError(fmt::format("no procedural scene is called '{}', {}", name,
+                                 expected_name(name, procedural_scene_names())));
 }
 
 }  // namespace burnish

@@ -137,4 +137,11 @@ std::string nearest_name(const std::string& written, const std::vector<std::stri
     return nearest;
 }
 
+std::string expected_name(const std::string& written, const std::vector<std::string>& names) {
+    const std::string nearest = nearest_name(written, names);
+    return fmt::format("{} one of {}",
+                       nearest.empty() ? "expected" : "did you mean " + nearest + "? Expected",
+                       fmt::join(names, ", "));
+}
+
 }  // namespace burnish

@@ -31,6 +31,10 @@ std::size_t edit_distance(const std::string& a, const std::string& b);
 /// none is so near.
 std::string nearest_name(const std::string& written, const std::vector<std::string>& names);
 
+/// What is expected in place of a name that is none of them: "expected one of a, b", or "did you
+/// mean b? Expected one of a, b".
+std::string expected_name(const std::string& written, const std::vector<std::string>& names);
+
 /// "a, b, c and 4 more"
 std::string list_of(std::vector<std::string> names);
 
