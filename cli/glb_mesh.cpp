@@ -85,8 +85,8 @@ std::size_t vertices_of(const Glb& glb, const Value& primitive) {
     return accessor(glb, member(attributes, "POSITION"), "VEC3", 3).count;
 }
 
-Mesh read_primitive(const Glb& glb, const Value& primitive, std::size_t mode) {
-    const std::size_t count = vertices_of(glb, primitive);
+/// count: of its vertices.
+Mesh read_primitive(const Glb& glb, const Value& primitive, std::size_t mode, std::size_t count) {
     const Value attributes = member(primitive, "attributes");
     const std::vector<float> positions = attribute(glb, attributes, "POSITION", 3, count),
                              normals = attribute(glb, attributes, "NORMAL", 3, count),
@@ -189,10 +189,11 @@ void add_primitive(const Value& mesh, std::size_t index, const Transform& to_wor
         ++reader.others;
         return;
     }
-    reader.vertices_read += vertices_of(reader.glb, primitive);
+    const std::size_t count = vertices_of(reader.glb, primitive);
+    reader.vertices_read += count;
     if (reader.vertices_read > most)
         fail(primitive, fmt::format("at most {} vertices in all", most));
-    Mesh part = read_primitive(reader.glb, primitive, mode);
+    Mesh part = read_primitive(reader.glb, primitive, mode, count);
     const Mesh& read = reader.file.mesh;
     const std::size_t vertices =
         part.normals.empty() ? 3 * part.triangles.size() : part.positions.size();
