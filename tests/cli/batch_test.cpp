@@ -43,7 +43,19 @@ class Batch : public Program {
     }
     /// Runs the jobs until that one has written a checkpoint.
     void stop_at_a_checkpoint() const;
+    /// Ends a batch by a signal; what it says.
+    std::string stop(pid_t batch) const;
 };
+
+std::string Batch::stop(pid_t batch) const {
+    kill(batch, SIGTERM);
+    const int status = end_of(batch);
+    const std::string error = read_text(folder / ".err");
+    EXPECT_TRUE(WIFEXITED(status) && WEXITSTATUS(status) == 75) << status << error;
+    EXPECT_TRUE(contains(error, "the batch was stopped: the same command goes on with it"))
+        << error;
+    return error;
+}
 
 void Batch::stop_at_a_checkpoint() const {
     const std::vector<fs::path> before = checkpoints();
@@ -234,12 +246,7 @@ TEST_F(Batch, ASignalBeforeAJobsIterationsEndsTheBatchAsOthersDo) {
                   {"output": "out/b", "options": {"problem.target_samples": 1048576}})");
     const pid_t pid = start("batch jobs.json");
     EXPECT_TRUE(wait_for([&] { return fs::exists(lock_of("out/b")); }));
-    kill(pid, SIGTERM);
-    const int status = end_of(pid);
-    const std::string error = read_text(folder / ".err");
-    EXPECT_TRUE(WIFEXITED(status) && WEXITSTATUS(status) == 75) << status << error;
-    EXPECT_TRUE(contains(error, "the batch was stopped: the same command goes on with it"))
-        << error;
+    stop(pid);
     EXPECT_TRUE(fs::exists(folder / "out/a/summary.json"));
     EXPECT_FALSE(fs::exists(folder / "out/b"));
 }
@@ -252,12 +259,7 @@ TEST_F(Batch, ASignalBeforeTheIterationsOfAJobThatGoesOnEndsTheBatchAsOthersDo) 
     const pid_t pid = start("batch jobs.json");
     EXPECT_TRUE(wait_for_error_text("going on after"));
     std::this_thread::sleep_for(std::chrono::milliseconds(20));
-    kill(pid, SIGTERM);
-    const int status = end_of(pid);
-    const std::string error = read_text(folder / ".err");
-    EXPECT_TRUE(WIFEXITED(status) && WEXITSTATUS(status) == 75) << status << error;
-    EXPECT_TRUE(contains(error, "the batch was stopped: the same command goes on with it"))
-        << error;
+    const std::string error = stop(pid);
     EXPECT_FALSE(contains(error, "--resume")) << error;
 }
 

@@ -897,16 +897,21 @@ TEST_F(NewSceneTest, ReadsAGlbThatRequiresExtensionsWithoutMeaningForAMesh) {
     }
 }
 
+/// Lets an accessor show so many elements of a part of the buffer that was added.
+void show(Gltf& gltf, std::size_t accessor, int view, std::size_t count) {
+    gltf.document["bufferViews"] = gltf.data.views;
+    gltf.document["buffers"][0]["byteLength"] = gltf.data.bytes.size();
+    gltf.document["accessors"][accessor]["bufferView"] = view;
+    gltf.document["accessors"][accessor]["count"] = count;
+}
+
 /// Primitives that share their accessors: a small file of many triangles.
 TEST_F(NewSceneTest, TrianglesOfAGlbAreBounded) {
     constexpr int kCorners = 50'000;
     Gltf many;
     const int strip = many.data.add(std::vector<std::uint8_t>(kCorners));
     Document& document = many.document;
-    document["bufferViews"] = many.data.views;
-    document["buffers"][0]["byteLength"] = many.data.bytes.size();
-    document["accessors"][2]["bufferView"] = strip;
-    document["accessors"][2]["count"] = kCorners;
+    show(many, 2, strip, kCorners);
     Document& primitives = document["meshes"][0]["primitives"];
     primitives[0]["mode"] = 5;
     const Document first = primitives[0];
@@ -924,10 +929,7 @@ TEST_F(NewSceneTest, VerticesThatAGlbReadsAreBounded) {
     Gltf many;
     const int positions = many.data.add(std::vector<float>(3 * kVertices));
     Document& document = many.document;
-    document["bufferViews"] = many.data.views;
-    document["buffers"][0]["byteLength"] = many.data.bytes.size();
-    document["accessors"][0]["bufferView"] = positions;
-    document["accessors"][0]["count"] = kVertices;
+    show(many, 0, positions, kVertices);
     Document& primitives = document["meshes"][0]["primitives"];
     primitives[0]["attributes"].erase("TEXCOORD_0");
     const Document first = primitives[0];
