@@ -47,8 +47,9 @@ Image read_image(const std::string& file);
 
 /// Writes linear values by extension: .exr (32-bit float), .pfm, .png (8 bit, sRGB). The file
 /// appears whole or not at all. Throws InputError: another extension, an image without pixels,
-/// larger than 32768 pixels a side or without one value for each channel, more than 4 channels, or
-/// alpha (2 or 4) in .pfm; OutputError where the file cannot be written.
+/// larger than 32768 pixels a side or without one value for each channel, of more than 536,870,912
+/// values or 4 channels, or with alpha (2 or 4) in .pfm; OutputError where the file cannot be
+/// written.
 void write_image(const std::string& file, const Image& image);
 
 }  // namespace burnish

@@ -19,8 +19,8 @@ std::string lower_extension(const std::filesystem::path& file);
 /// folder that may not be entered.
 std::filesystem::file_status status_of(const std::filesystem::path& file);
 
-/// The file or folder behind links, by its absolute name; where that cannot be told, as in a loop of
-/// links, the absolute name without them followed. Of what is not there, too. Throws nothing.
+/// The file or folder behind links, by its absolute name; where that cannot be told, as in a loop
+/// of links, the absolute name without them followed. Of what is not there, too. Throws nothing.
 std::filesystem::path real_path(const std::filesystem::path& file);
 
 /// The content of a regular file. Throws InputError: missing, not a file, unreadable.

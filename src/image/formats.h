@@ -12,11 +12,8 @@
 
 namespace burnish::formats {
 
-/// width * height * channels: those of 16384 x 8192 pixels with alpha.
-inline constexpr std::size_t kMaxValues = std::size_t{1} << 29;
-
 /// Throws InputError where a side is not in [1, kMaxImageSide] or the image has more than
-/// kMaxValues values.
+/// kMaxImageValues values.
 void check_size(const std::string& name, const char* format, long long width, long long height,
                 int channels);
 

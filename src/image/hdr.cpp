@@ -17,18 +17,24 @@ struct HdrReader {
     const std::string& name;
     std::string_view bytes;
     std::size_t offset = 0;
+    std::size_t begin = 0;  ///< of the line, the row or the run that is read
 
     [[noreturn]] void fail(const std::string& what) const {
-        formats::fail(name, "HDR", fmt::format("byte offset {}: {}", offset, what));
+        formats::fail(name, "HDR", fmt::format("byte offset {}: {}", begin, what));
     }
     [[noreturn]] void refuse(const std::string& what) const {
-        formats::refuse(name, "HDR", fmt::format("byte offset {}: {}", offset, what));
+        formats::refuse(name, "HDR", fmt::format("byte offset {}: {}", begin, what));
+    }
+    [[noreturn]] void fail_at_end() const {
+        formats::fail(name, "HDR",
+                      fmt::format("byte offset {}: the file ends too early", bytes.size()));
     }
 };
 
 /// Without its end, LF or CR LF.
 std::string_view next_line(HdrReader& reader) {
     const std::size_t end = reader.bytes.find('\n', reader.offset);
+    reader.begin = reader.offset;
     if (end == std::string_view::npos) reader.fail("the header ends too early");
     std::string_view line = reader.bytes.substr(reader.offset, end - reader.offset);
     if (line.ends_with('\r')) line.remove_suffix(1);
@@ -37,7 +43,7 @@ std::string_view next_line(HdrReader& reader) {
 }
 
 int next_byte(HdrReader& reader) {
-    if (reader.offset >= reader.bytes.size()) reader.fail("the file ends too early");
+    if (reader.offset >= reader.bytes.size()) reader.fail_at_end();
     return static_cast<unsigned char>(reader.bytes[reader.offset++]);
 }
 
@@ -60,6 +66,7 @@ Image read_header(HdrReader& reader) {
 /// One component of a row: runs (length + 128, value) and literals (length, values).
 void read_runs(HdrReader& reader, std::uint8_t* row, std::size_t width) {
     for (std::size_t x = 0; x < width;) {
+        reader.begin = reader.offset;
         const int code = next_byte(reader);
         const auto length = static_cast<std::size_t>(code > 128 ? code - 128 : code);
         if (length == 0 || length > width - x)
@@ -81,6 +88,7 @@ void refuse_old_runs(const HdrReader& reader, const std::vector<std::uint8_t>& r
 
 void read_row(HdrReader& reader, std::vector<std::uint8_t>& row) {
     const std::size_t width = row.size() / 4;
+    reader.begin = reader.offset;
     const std::string_view rest = reader.bytes.substr(reader.offset);
     if (width >= 8 && width < 32768 && rest.size() >= 4 && rest[0] == 2 && rest[1] == 2 &&
         (rest[2] & 0x80) == 0) {
@@ -103,7 +111,7 @@ ImageFile formats::decode_hdr(const std::string& name, std::string_view bytes) {
     const auto width = static_cast<std::size_t>(image.width);
     // A run holds at most 127 pixels: what is left must be able to hold the image.
     if ((bytes.size() - reader.offset) < width * static_cast<std::size_t>(image.height) / 127)
-        reader.fail("the file ends too early");
+        reader.fail_at_end();
     image.values.resize(image.index(0, image.height));
     std::vector<std::uint8_t> row(4 * width);
     for (int y = 0; y < image.height; ++y) {

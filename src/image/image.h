@@ -19,6 +19,11 @@ inline bool is_side(double pixels) {
     return pixels >= 1 && pixels <= kMaxImageSide && pixels == std::floor(pixels);
 }
 
+/// width * height * channels of an image: those of 16384 x 8192 pixels with alpha.
+inline constexpr std::size_t kMaxImageValues = std::size_t{1} << 29;
+/// Pixels of an image of any channels.
+inline constexpr std::size_t kMaxImagePixels = kMaxImageValues / 4;
+
 /// Gives an image another shape and keeps its memory; the values are unspecified.
 inline void reshape(Image& image, int width, int height, int channels) {
     image.width = width, image.height = height, image.channels = channels;

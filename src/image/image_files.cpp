@@ -20,11 +20,12 @@ void check_size(const std::string& name, const char* format, long long width, lo
         throw InputError(fmt::format("{}: {} file of {} x {} pixels, expected at least 1 x 1", name,
                                      format, width, height));
     if (width > kMaxImageSide || height > kMaxImageSide ||
-        static_cast<std::size_t>(width * height) * static_cast<std::size_t>(channels) > kMaxValues)
+        static_cast<std::size_t>(width * height) * static_cast<std::size_t>(channels) >
+            kMaxImageValues)
         throw InputError(fmt::format(
             "{}: {} file of {} x {} pixels with {} channels, expected at most {} pixels a "
             "side and {} values",
-            name, format, width, height, channels, kMaxImageSide, kMaxValues));
+            name, format, width, height, channels, kMaxImageSide, kMaxImageValues));
 }
 
 void fail(const std::string& name, const char* format, const std::string& what) {
@@ -94,10 +95,12 @@ void check_writable(const std::filesystem::path& file, const Image& image) {
             "3 channels{}",
             file.string(), image.width, image.height, image.channels, image.values.size(),
             takes_alpha ? ", or 2 or 4 with alpha" : ""));
-    if (!is_side(image.width) || !is_side(image.height))
-        throw InputError(
-            fmt::format("{}: cannot write an image of {} x {} pixels, expected at most {} a side",
-                        file.string(), image.width, image.height, kMaxImageSide));
+    if (!is_side(image.width) || !is_side(image.height) || count > kMaxImageValues)
+        throw InputError(fmt::format(
+            "{}: cannot write an image of {} x {} pixels with {} channels, expected at most {} "
+            "pixels a side and {} values",
+            file.string(), image.width, image.height, image.channels, kMaxImageSide,
+            kMaxImageValues));
 }
 
 /// A format of pictures that is not read, told by the first bytes; null: none that is known.

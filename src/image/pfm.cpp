@@ -16,7 +16,7 @@ namespace burnish {
 
 namespace {
 
-/// The next word of the header; consumes the one blank after it.
+/// The next word of the header, empty at its end; consumes the one blank after it.
 std::string_view next_word(std::string_view bytes, std::size_t& offset) {
     const auto blank = [&](std::size_t i) {
         return i >= bytes.size() || std::strchr(" \t\r\n", bytes[i]) != nullptr;
@@ -31,12 +31,12 @@ std::string_view next_word(std::string_view bytes, std::size_t& offset) {
 
 template <class T>
 T number(const std::string& name, std::string_view bytes, std::size_t& offset, const char* what) {
-    const std::string_view word = next_word(bytes, offset).substr(0, 40);
+    const std::string_view word = next_word(bytes, offset);
     const std::optional<T> value = parsed<T>(without_plus(word));
     if (!value)
         formats::fail(name, "PFM",
-                      "byte offset " + std::to_string(offset) + ": found \"" + std::string(word) +
-                          "\", expected the " + what);
+                      fmt::format("byte offset {}: found \"{:.40}\", expected the {}",
+                                  word.data() - bytes.data(), word, what));
     return *value;
 }
 

@@ -30,14 +30,15 @@ struct PlyReader {
     std::string bytes;
     PlyFormat format = PlyFormat::kAscii;
     std::size_t offset = 0;
-    int line = 1;  ///< ASCII only
+    std::size_t begin = 0;  ///< of the number that was read last
+    int line = 1;           ///< of it; ASCII only
     std::size_t concave_faces = 0;
     std::set<std::uint64_t> textures = {};  ///< bits of the numbers of the faces' textures
 
     [[noreturn]] void fail(const std::string& what) const {
         if (format == PlyFormat::kAscii)
             throw InputError(fmt::format("{}:{}: {}", name, line, what));
-        throw InputError(fmt::format("{}: byte offset {}: {}", name, offset, what));
+        throw InputError(fmt::format("{}: byte offset {}: {}", name, begin, what));
     }
 };
 
@@ -63,6 +64,7 @@ double read_ascii(PlyReader& reader) {
 }
 
 std::uint64_t read_bits(PlyReader& reader, std::size_t size) {
+    reader.begin = reader.offset;
     if (reader.bytes.size() - reader.offset < size)
         reader.fail(fmt::format("the file ends too early, expected {} more bytes", size));
     std::uint64_t bits = 0;
@@ -127,7 +129,7 @@ int vertex_slot(const PlyProperty& property) {
 float checked(const PlyReader& reader, double value) {
     const auto result = static_cast<float>(value);
     if (!std::isfinite(result))
-        reader.fail("found a vertex that is not finite, expected finite numbers");
+        reader.fail(fmt::format("found {}, expected a finite float", value));
     return result;
 }
 
@@ -279,7 +281,7 @@ MeshFile read_ply_file(const std::filesystem::path& file, const PlyOptions& opti
     PlyReader reader{file.string(), read_bytes(file)};
     const PlyHeader header = read_ply_header(reader.name, reader.bytes);
     reader.format = header.format;
-    reader.offset = header.data_offset;
+    reader.offset = reader.begin = header.data_offset;
     reader.line = header.data_line;
     Mesh mesh;
     CornerSplitter corners;
@@ -291,6 +293,8 @@ MeshFile read_ply_file(const std::filesystem::path& file, const PlyOptions& opti
         } else if (element.name == "face") {
             const bool split = options.corner_uvs && mesh.uvs.empty() && has_corner_uvs(element);
             if (!mesh.triangles.empty()) reader.fail("found a second face element, expected one");
+            if (element.count > 0 && mesh.positions.empty())
+                reader.fail("found no vertices before the faces, expected them first");
             read_faces(reader, element, mesh, split ? &corners : nullptr, of_faces);
         } else {
             for (std::size_t row = 0; row < element.count; ++row)

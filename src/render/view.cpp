@@ -69,6 +69,8 @@ void require_sides(const std::string& whose, int width, int height) {
     const std::string found = whose + " has " + size_text(width, height) + " pixels";
     require(is_side(width) && is_side(height),
             found + ": expected 1 to " + std::to_string(kMaxImageSide) + " a side");
+    require(static_cast<std::size_t>(width) * static_cast<std::size_t>(height) <= kMaxImagePixels,
+            found + ": expected at most " + std::to_string(kMaxImagePixels) + " in all");
 }
 
 /// A sensor with a picture of another size: its field of view stays, and its middle.

@@ -8,6 +8,7 @@
 
 #include "burnish/error.h"
 #include "core/parsed.h"
+#include "image/image.h"
 #include "scene/parameter_names.h"
 
 namespace burnish {
@@ -85,12 +86,17 @@ std::size_t free_constant(Scene& scene, const ConstantParameter& constant, const
     bitmap.width = std::max(1, sized.width), bitmap.height = std::max(1, sized.height);
     bitmap.channels = value.channels;
     const bool is_one = bitmap.width == 1 && bitmap.height == 1;
+    const auto texels =
+        static_cast<std::size_t>(bitmap.width) * static_cast<std::size_t>(bitmap.height);
+    if (texels * static_cast<std::size_t>(bitmap.channels) > kMaxImageValues)
+        throw InputError(
+            fmt::format("{}: found {} x {} texels of {} channels, expected at most {} "
+                        "values",
+                        sized.name, bitmap.width, bitmap.height, bitmap.channels, kMaxImageValues));
     for (const ConstantParameter& c : all)
         if (!is_one) require_coordinates(scene, c);
     if (is_one) bitmap.filter = TextureFilter::kNearest;
     bitmap.raw = value.channels == 1;
-    const auto texels =
-        static_cast<std::size_t>(bitmap.width) * static_cast<std::size_t>(bitmap.height);
     for (std::size_t i = 0; i < texels; ++i)
         bitmap.values.insert(bitmap.values.end(), value.values.begin(), value.values.end());
     const TextureId id{static_cast<std::int32_t>(scene.textures.size())};

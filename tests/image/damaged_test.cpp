@@ -1,4 +1,5 @@
 // Damaged files load or throw InputError; a file that is cut off never loads.
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <sys/resource.h>
 
@@ -162,6 +163,23 @@ TEST_F(DamagedImages, WhatIsNotKnownIsNotCalledDamaged) {
     std::string exr = read_bytes(folder / "sample.exr");
     exr[exr.find(std::string("compression\0compression\0", 24)) + 24 + 4] = 99;
     expect("EXR", exr, "found what is damaged or not known (");
+}
+
+TEST_F(DamagedImages, OffsetsPointAtWhatWasFound) {
+    const Image image = smooth_image(20, 14, 3);
+    const auto expect = [&](const std::string& bytes, std::size_t at, const std::string& what) {
+        const std::string error = error_of(bytes),
+                          place = fmt::format("byte offset {}: {}", at, what);
+        EXPECT_NE(error.find(place), std::string::npos) << error;
+    };
+    expect("PF\n20  x14 1.0\n", 7, "found \"x14\", expected the height");
+    expect("PF\n20", 5, "found \"\", expected the height");
+    const std::string flat = make_hdr(image, false), runs = make_hdr(image, true);
+    const std::size_t size = flat.find("-Y 14"), rows = runs.find("+X 20\n") + 6;
+    expect(std::string(flat).replace(size, 5, "-Y xx"), size, "found \"-Y xx +X 20\"");
+    expect(std::string(runs).replace(rows + 3, 1, "\x15"), rows, "found a row of 21 pixels");
+    expect(std::string(runs).replace(rows + 4, 1, "\x15"), rows + 4, "found a run of 21 pixels");
+    expect(runs.substr(0, rows + 90), rows + 90, "the file ends too early");
 }
 
 TEST(ImageSide, IsAWholeNumberOfPixels) {

@@ -185,6 +185,10 @@ const BadScene kBadScenes[] = {
      "<sensor type='perspective'><film type='hdrfilm'><integer name='width' "
      "value='99999999999'/></film></sensor>",
      "2:49: the parameter \"width\" is \"99999999999\", expected an integer in [1, 32768]"},
+    {"FilmOfManyPixels",
+     "<sensor type='perspective'><film type='hdrfilm'><integer name='width' value='16384'/>"
+     "<integer name='height' value='8193'/></film></sensor>",
+     "2:28: the picture has 16384 x 8193 pixels, expected at most 134217728 in all"},
     {"CropOutside",
      "<sensor type='perspective'><film type='hdrfilm'><integer name='width' value='8'/><integer "
      "name='crop_width' "

@@ -23,6 +23,16 @@ LoadedScene load_quietly(const TemporaryFolder& folder, const std::string& text)
     return loaded;
 }
 
+/// What is said of an unknown that the scene cannot have; empty: it can.
+std::string refusal_of(Scene& scene, const std::string& parameter) {
+    try {
+        require_parameter(scene, parameter);
+    } catch (const InputError& error) {
+        return error.what();
+    }
+    return {};
+}
+
 TEST(Kinds, BeamsAndDirections) {
     const TemporaryFolder folder;
     const Scene scene =
@@ -325,6 +335,17 @@ TEST(Kinds, MeshAttributesAreInterpolatedInTheirTriangles) {
     EXPECT_NEAR(read(-0.999f, 0.999f).second, 1, 2e-3f);
 }
 
+TEST(Kinds, TexturesThatNoImageHoldsAreRefused) {
+    const TemporaryFolder folder;
+    Scene scene = load_quietly(folder, kSky +
+                                           "<bsdf type='diffuse' id='m'/><shape type='rectangle'>"
+                                           "<ref id='m'/></shape>")
+                      .scene;
+    EXPECT_EQ(refusal_of(scene, "m.reflectance:16384"),
+              "m.reflectance: found 16384 x 16384 texels of 3 channels, expected at most 536870912 "
+              "values");
+}
+
 TEST(Kinds, MeshAttributesCannotBeRecovered) {
     const TemporaryFolder folder;
     write_text(folder, "a.ply", kPly);
@@ -335,14 +356,8 @@ TEST(Kinds, MeshAttributesCannotBeRecovered) {
                                  "</texture></bsdf><shape type='ply'><string name='filename' "
                                  "value='a.ply'/><ref id='m'/></shape>")
             .scene;
-    try {
-        require_parameter(scene, "m.reflectance");
-        FAIL();
-    } catch (const InputError& error) {
-        EXPECT_NE(std::string(error.what()).find("reads a mesh attribute, which cannot"),
-                  std::string::npos)
-            << error.what();
-    }
+    const std::string error = refusal_of(scene, "m.reflectance");
+    EXPECT_NE(error.find("reads a mesh attribute, which cannot"), std::string::npos) << error;
 }
 
 // ---- serialized

@@ -129,9 +129,10 @@ TEST(Ply, MessagesSayWhere) {
     expect(kAsciiPly, "3 0 1 2", "2 0 1", ":16: found a face of 2 vertices, expected at least 3");
     expect(kAsciiPly, "1 0 0 0 0 1", "1 zero 0 0 0 1", ":14: found \"zero");
     expect(kAsciiPly, "1 0 0 0 0 1", "1 +-1 0 0 0 1", ":14: found \"+-1");
-    for (const char* number : {"nan", "1e999", "-1e999", "1e39"})
-        expect(kAsciiPly, "1 0 0 0 0 1", std::string(number) + " 0 0 0 0 1",
-               ":14: found a vertex that is not finite");
+    for (const auto& [number, found] : std::vector<std::pair<std::string, std::string>>{
+             {"nan", "nan"}, {"1e999", "inf"}, {"-1e999", "-inf"}, {"1e39", "1e+39"}})
+        expect(kAsciiPly, "1 0 0 0 0 1", number + " 0 0 0 0 1",
+               ":14: found " + found + ", expected a finite float");
     expect(kAsciiPly, "vertex 3", "vertex 2000000000",
            ":12: the header says 2000000000 vertex rows of at least 12 bytes");
     expect(kAsciiPly, "property float z\n", "", ":12: the vertices lack x, y or z");
@@ -139,7 +140,16 @@ TEST(Ply, MessagesSayWhere) {
     expect(kAsciiPly, "format ascii 1.0\n", "", ":11: the header has no format line");
     expect(kAsciiPly, "ply\n", "plx\n", ":1: found no \"ply\" line");
     expect(kAsciiPly, "element face 1", "element face 0", ":15: found no faces");
+    expect(
+        "ply\nformat ascii 1.0\nelement face 1\nproperty list int int vertex_index\n"
+        "end_header\n3 0 1 2\n",
+        "", "", ":6: found no vertices before the faces, expected them first");
     std::string binary = binary_ply(false);
+    const std::size_t first_y = binary.find("end_header\n") + 11 + 8 + 1 + 8;
+    std::memset(binary.data() + first_y, 0xff, 4);
+    expect(binary, "", "",
+           ": byte offset " + std::to_string(first_y) + ": found -nan, expected a finite float");
+    binary = binary_ply(false);
     binary.resize(binary.size() - 3);
     const auto file = write_text(folder, "b.ply", binary);
     EXPECT_EQ(message_of(read_ply, file), file.string() + ": byte offset " +

@@ -401,6 +401,10 @@ TEST(Views, CamerasWhoseRaysOverflowAreRefused) {
     wide.focal_x = wide.focal_y = 1e-20;
     aside.center_y = 1e30;
     EXPECT_EQ(message(test::above()), "");
+    Camera large = test::above();
+    large.width = 16384, large.height = 8193;
+    EXPECT_NE(message(large).find("16384 x 8193 pixels: expected at most 134217728 in all"),
+              std::string::npos);
     for (const Camera& camera : {wide, aside})
         EXPECT_NE(message(camera).find("the camera sees more than 1e5 times as far to a side"),
                   std::string::npos)
