@@ -114,8 +114,8 @@ struct Adam {
     /// a split-sample gradient (PathCache). Empty: of a pyramid, of textures of several texels.
     std::optional<bool> gate = {};
     /// At least 0: the learning rate of the first ten steps, at most four times that of the others,
-    /// to which it falls as 1 / step. Empty: 0.02 where estimator and parameterisation have a gate
-    /// and the start is not searched, otherwise 0.
+    /// to which it falls as 1 / step. Empty: 0.02 where `gate` is on, or empty and estimator and
+    /// parameterisation have one, and the start is not searched, otherwise 0.
     std::optional<float> initial_rate = {};
 
     friend bool operator==(const Adam&, const Adam&) = default;

@@ -219,7 +219,8 @@ class Solver {
     /// steps can go on.
     std::optional<Ending> ending() const;
 
-    /// As it was given; of several processes without the pictures of the others' views.
+    /// As it was given, but without starts that are images, and with masks that are 0 where a lens
+    /// shows nothing; of several processes without the pictures of the others' views.
     const Problem& problem() const;
     /// Steps done, those behind the state included.
     std::uint32_t iterations() const;

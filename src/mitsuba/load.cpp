@@ -123,15 +123,15 @@ void load_objects(Loader& loader) {
 /// The first sensor must be one that can be read; of the others those that can.
 void load_sensors(Loader& loader) {
     Scene& scene = loader.result.scene;
+    std::size_t number = 0;
     for (const Node* node : loader.children) {
         if (node->tag != "sensor") continue;
-        const std::size_t number = scene.sensors.size();
         try {
-            scene.sensors.push_back(read_sensor(loader, *node, number));
+            scene.sensors.push_back(read_sensor(loader, *node, number++));
         } catch (const InputError& e) {
             const bool go_on =
                 loader.options.ignore_unsupported && dynamic_cast<const Unsupported*>(&e);
-            if (number == 0 && !go_on) throw;
+            if (scene.sensors.empty() && !go_on) throw;
             loader.result.notes.push_back(std::string(e.what()) + ": the sensor is left out");
         }
     }

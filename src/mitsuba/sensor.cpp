@@ -189,12 +189,13 @@ SceneSensor read_sensor(Loader& loader, const Node& node, std::size_t number) {
         fail_plugin(node, "batch distant irradiancemeter radiancemeter radiancefield",
                     "\"perspective\", \"thinlens\" or \"orthographic\"");
     SceneSensor sensor;
+    sensor.number = number;
     sensor.id = id_or(node, fmt::format("sensor_{}", number));
     const Property* film = take_only(properties, "film");
     sensor.film = film ? read_film(loader, *film->node) : default_film(loader.options);
     if (const Property* sampler = take_only(properties, "sampler")) {
         const int count = read_sampler(loader, *sampler->node, loader.result.scene.sample_count);
-        if (number == 0) loader.result.scene.sample_count = count;
+        if (loader.result.scene.sensors.empty()) loader.result.scene.sample_count = count;
     }
     PerspectiveCamera& camera = sensor.camera;
     double scale = 1;

@@ -19,9 +19,9 @@ Workspace make_workspace(const Setup& setup, const State::Values& state);
 
 /// Advances the state by one iteration, and the views that it visits by one visit; of several
 /// processes each visits its own. The gradient is the mean over these views. Image and derivative
-/// use independent random numbers [PR sec. 2.2]. Where it throws, anything but ResourceError, the
-/// state is what it was before: an iteration is done as a whole or not at all. stop: where it says
-/// so before the step begins, throws Stopped.
+/// use independent random numbers [PR sec. 2.2]. Where it throws, anything but ResourceError or
+/// what Ranks::exchange throws in the step, the state is what it was before: an iteration is done
+/// as a whole or not at all. stop: where it says so before the step begins, throws Stopped.
 Iteration iterate(const Setup& setup, State::Values& state, Workspace& workspace,
                   const StopQuestion& stop = {});
 

@@ -173,8 +173,8 @@ constexpr OptionRow kTable[] = {
      kSplit},
     {{.name = "adam.initial_rate",
       .sentence = "Learning rate of the first ten steps, at most four times that of the others, to "
-                  "which it falls; auto: 0.02 where estimator and parameterisation have a gate "
-                  "and the start is not searched, else 0",
+                  "which it falls; auto: 0.02 where adam.gate is on, or auto and estimator and "
+                  "parameterisation have one, and the start is not searched, else 0",
       .range = {0, kMaxLearningRate},
       .unset = "auto"},
      of_part<&Options::adam, &Adam::initial_rate>()},

@@ -1,6 +1,7 @@
 #include "optimize/recovered_textures.h"
 
 #include <algorithm>
+#include <span>
 
 #include "scene/parameter_names.h"
 #include "texture/unvisited.h"
@@ -17,6 +18,12 @@ std::vector<std::uint32_t> known_texels(const UnknownTexture& unknown,
     if (unknown.is_guided)
         for (std::size_t i = 0; i < known.size(); ++i) known[i] += unknown.charts[i] > 0;
     return known;
+}
+
+/// What unvisited texels keep: their start, or what a later search has put in its place.
+std::span<const float> searched_last(const UnknownTexture& unknown, const PyramidState& pyramid) {
+    const std::vector<float>& goal = pyramid.levels.front().adam.initial;
+    return goal.size() == unknown.start.values.size() ? goal : unknown.start.values;
 }
 
 }  // namespace
@@ -36,7 +43,7 @@ std::vector<RecoveredTexture> recovered_textures(const Setup& setup, const State
         const bool fills =
             setup.options.unvisited == Unvisited::kFill && u.start_kind != StartKind::kGiven;
         t.filled = fills && !u.is_guided;
-        if (!t.filled) keep_unvisited(pyramid.visits, u.start, t.values);
+        if (!t.filled) keep_unvisited(pyramid.visits, searched_last(u, pyramid), t.values);
         const bool repeats = std::get<Bitmap>(scene[u.texture]).wrap == TextureWrap::kRepeat;
         if (fills) fill_unvisited(known_texels(u, pyramid), u.charts, repeats, t.values);
         t.coverage = make_image(t.values.width, t.values.height, 1);

@@ -63,24 +63,24 @@ std::vector<float> make_distances(const SearchGroup& group) {
 
 /// The colour of a region; where its own squares say little, that of those around it.
 std::array<float, 3> region_color(const GroupSearch& s, std::uint32_t region,
-                                  const std::vector<std::uint32_t>& labels, bool gray) {
+                                  const std::vector<std::uint32_t>& labels) {
     constexpr double kShare = 0.1;
     ColorSums sums = s.color_at(region, labels[region]);
     for (const std::uint32_t n : neighbours(s.group.regions, region))
         if (s.is_known(n)) sums += s.color_at(n, labels[n]) * kShare;
-    return color_of(sums, gray);
+    return color_of(sums, s.group.gray);
 }
 
 /// A channel of a member in each region; of those that are not known nothing.
 std::vector<float> region_values(const GroupSearch& s, const std::vector<std::uint32_t>& labels,
-                                 std::size_t member, std::size_t channel, bool gray) {
+                                 std::size_t member, std::size_t channel) {
     std::vector<float> values(s.regions());
     for (std::uint32_t r = 0; r < s.regions(); ++r) {
         if (!s.is_known(r)) continue;
         if (!s.plan.colors[s.group.members[member]])
             values[r] = s.group.candidates[labels[r]][member];
         else
-            values[r] = member == s.group.color ? region_color(s, r, labels, gray)[channel] : 0.5f;
+            values[r] = member == s.group.color ? region_color(s, r, labels)[channel] : 0.5f;
     }
     return values;
 }
@@ -197,8 +197,7 @@ Image make_start(const GroupSearch& s, const StartInput& input,
             continue;
         }
         const ChannelStart channel = start_channel(
-            s, input, member,
-            region_values(s, labels, member, static_cast<std::size_t>(c), bitmap.channels == 1));
+            s, input, member, region_values(s, labels, member, static_cast<std::size_t>(c)));
         for_texels_in_regions(
             s, scene, member, [&](std::uint32_t region, std::size_t texel, int x, int y) {
                 start.at(x, y, c) =

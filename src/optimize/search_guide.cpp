@@ -198,18 +198,23 @@ std::vector<TextureId> guides_of(const Scene& scene, TextureId unknown,
     const auto holds = [](std::span<const TextureId> ids, TextureId id) {
         return std::find(ids.begin(), ids.end(), id) != ids.end();
     };
-    std::vector<TextureId> guides;
-    for (std::size_t b = 0; b < scene.bsdfs.size(); ++b) {
-        const BsdfId bsdf{static_cast<std::int32_t>(b)};
-        if (!reads(scene, bsdf, unknown)) continue;
-        for (const TextureId id : textures_of(scene, bsdf)) {
-            const Bitmap* bitmap = bitmap_of(scene[id]);
-            if (holds(recovered, id)) {
-                if (!read_as_roughness(scene, id)) return {};
-            } else if (bitmap && !bitmap->is_attribute && !holds(guides, id)) {
-                guides.push_back(id);
+    std::vector<TextureId> guides, group{unknown};
+    for (std::size_t member = 0; member < group.size(); ++member) {  // grows within
+        if (!read_as_roughness(scene, group[member])) return {};
+        bool has_guide = false;
+        for (std::size_t b = 0; b < scene.bsdfs.size(); ++b) {
+            const auto read = textures_of(scene, BsdfId{static_cast<std::int32_t>(b)});
+            if (!holds(read, group[member])) continue;
+            for (const TextureId id : read) {
+                const Bitmap* bitmap = bitmap_of(scene[id]);
+                const bool is_recovered = holds(recovered, id);
+                if (!is_recovered && (!bitmap || bitmap->is_attribute)) continue;
+                has_guide |= !is_recovered;
+                std::vector<TextureId>& ids = is_recovered ? group : guides;
+                if (!holds(ids, id)) ids.push_back(id);
             }
         }
+        if (!has_guide) return {};
     }
     return guides;
 }

@@ -23,8 +23,6 @@ constexpr double kSquaresOfBlock = 1.5, kSquaresBesideColors = 4, kSamplesOfBloc
 /// Of tracing a camera sample, in units of shading it once; and of all.
 constexpr double kTraceWork = 10, kMaxWork = 100.0 * (1 << 20);
 
-BsdfId bsdf_at(std::size_t i) { return {static_cast<std::int32_t>(i)}; }
-
 /// members: in the order in which they were asked for.
 SearchGroup make_group(const Scene& scene, const SearchPlan& plan,
                        std::vector<std::size_t> members) {
@@ -51,13 +49,17 @@ SearchGroup make_group(const Scene& scene, const SearchPlan& plan,
 std::vector<SearchGroup> make_groups(const Scene& scene, const SearchPlan& plan) {
     std::vector<std::size_t> group(plan.unknowns.size());
     for (std::size_t i = 0; i < group.size(); ++i) group[i] = i;
-    for (std::size_t b = 0; b < scene.bsdfs.size(); ++b)
-        for (std::size_t i = 0; i < group.size(); ++i)
-            for (std::size_t k = 0; k < i; ++k)
-                if (reads(scene, bsdf_at(b), plan.unknowns[i]) &&
-                    reads(scene, bsdf_at(b), plan.unknowns[k]))
-                    std::replace(group.begin(), group.end(), std::max(group[i], group[k]),
-                                 std::min(group[i], group[k]));
+    for (std::size_t b = 0; b < scene.bsdfs.size(); ++b) {
+        const auto read = textures_of(scene, BsdfId{static_cast<std::int32_t>(b)});
+        std::optional<std::size_t> first;
+        for (std::size_t i = 0; i < group.size(); ++i) {
+            if (std::ranges::find(read, plan.unknowns[i]) == read.end()) continue;
+            if (!first) first = i;
+            const std::size_t low = std::min(group[*first], group[i]);
+            const std::size_t high = std::max(group[*first], group[i]);
+            std::replace(group.begin(), group.end(), high, low);
+        }
+    }
     std::vector<SearchGroup> groups;
     for (std::size_t first = 0; first < group.size(); ++first) {
         std::vector<std::size_t> members;
@@ -127,20 +129,6 @@ int scale_for(double pixels, double passes, double work) {
                     static_cast<int>(std::ceil(std::sqrt(pixels * 2 * passes * work / kMaxWork))));
 }
 
-/// Those of its members, none where one has none.
-std::vector<TextureId> guides_of_group(const SearchGroup& group,
-                                       std::span<const SearchUnknown> unknowns) {
-    std::vector<TextureId> guides;
-    for (const std::size_t m : group.members) {
-        if (unknowns[m].guides.empty()) return {};
-        for (const TextureId id : unknowns[m].guides)
-            if (guides.size() < kMaxGuides &&
-                std::find(guides.begin(), guides.end(), id) == guides.end())
-                guides.push_back(id);
-    }
-    return guides;
-}
-
 /// The least power of two with no more blocks.
 int region_side(const Bitmap& bitmap, double blocks) {
     int side = 1;
@@ -201,7 +189,8 @@ SearchPlan make_search_plan(std::span<const SearchView> views,
         const auto& bitmap = std::get<Bitmap>(scene[u.texture]);
         g.regions =
             make_regions(u.charts, bitmap.width, bitmap.height, region_side(bitmap, blocks));
-        g.guides = guides_of_group(g, unknowns);
+        g.guides = u.guides;  // as of all of its members
+        if (g.guides.size() > kMaxGuides) g.guides.resize(kMaxGuides);
         if (!g.guides.empty()) g.guide_means = read_guides(scene, g, bitmap);
     }
     return plan;

@@ -26,11 +26,11 @@ std::string list_or_none(const std::vector<std::string>& names) {
 
 const SceneSensor& find_sensor(const Scene& scene, const std::string& name) {
     const auto& sensors = scene.sensors;
-    const auto found = std::find_if(sensors.begin(), sensors.end(),
-                                    [&](const SceneSensor& s) { return s.id == name; });
+    auto found = std::ranges::find(sensors, name, &SceneSensor::id);
     if (found != sensors.end()) return *found;
-    const std::optional<std::size_t> number = parsed<std::size_t>(name);
-    if (number && *number < sensors.size()) return sensors[*number];
+    if (const std::optional<std::size_t> number = parsed<std::size_t>(name))
+        found = std::ranges::find(sensors, *number, &SceneSensor::number);
+    if (found != sensors.end()) return *found;
     std::vector<std::string> ids;
     for (const SceneSensor& s : sensors) ids.push_back(s.id);
     throw InputError("there is no sensor '" + name + "' in the scene, expected " +

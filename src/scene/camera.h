@@ -55,6 +55,7 @@ struct SceneSensor {
     std::string id;  ///< "sensor_0", counted from 0, where the file gives none
     PerspectiveCamera camera;
     Film film;
+    std::size_t number = 0;  ///< among all sensors of the file, those that were left out included
 };
 
 }  // namespace burnish

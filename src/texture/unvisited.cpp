@@ -156,10 +156,11 @@ std::size_t count_unvisited(const std::vector<std::uint32_t>& visits, const Char
     return count;
 }
 
-void keep_unvisited(const std::vector<std::uint32_t>& visits, const Image& initial, Image& texels) {
+void keep_unvisited(const std::vector<std::uint32_t>& visits, std::span<const float> initial,
+                    Image& texels) {
     const auto channels = static_cast<std::size_t>(texels.channels);
     for (std::size_t i = 0; i < texels.values.size(); ++i)
-        if (visits[i / channels] == 0) texels.values[i] = initial.values[i];
+        if (visits[i / channels] == 0) texels.values[i] = initial[i];
 }
 
 }  // namespace burnish

@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "image/image.h"
@@ -23,7 +24,8 @@ void fill_unvisited(const std::vector<std::uint32_t>& visits, const ChartMap& ch
 /// How many texels a surface reads that no sample visited. charts: [height, width].
 std::size_t count_unvisited(const std::vector<std::uint32_t>& visits, const ChartMap& charts);
 
-/// Gives texels that no sample visited the value that they have in `initial`.
-void keep_unvisited(const std::vector<std::uint32_t>& visits, const Image& initial, Image& texels);
+/// Gives texels that no sample visited their values of `initial`, [height, width, channels].
+void keep_unvisited(const std::vector<std::uint32_t>& visits, std::span<const float> initial,
+                    Image& texels);
 
 }  // namespace burnish

@@ -9,6 +9,7 @@
 #include "mitsuba/serialized.h"
 #include "mitsuba/temporary_scene.h"
 #include "paths/one_ray.h"
+#include "render/renderer.h"
 #include "scene/constants.h"
 
 namespace burnish {
@@ -537,6 +538,21 @@ TEST(Kinds, SamplesAreThoseOfTheFirstSensor) {
         load_text(folder, "<integrator type='direct'/>" + kSky + sensor("8") + sensor("32")).scene;
     ASSERT_EQ(scene.sensors.size(), 2u);
     EXPECT_EQ(scene.sample_count, 8);
+}
+
+TEST(Kinds, NumbersOfSensorsCountThoseThatAreLeftOut) {
+    const TemporaryFolder folder;
+    const auto sensor = [](const std::string& type, int width) {
+        return "<sensor type='" + type + "'><film type='hdrfilm'><integer name='width' value='" +
+               std::to_string(width) + "'/></film></sensor>";
+    };
+    const Renderer renderer = make_renderer(
+        load_text(folder, "<integrator type='direct'/>" + kSky + sensor("perspective", 8) +
+                              sensor("batch", 9) + sensor("perspective", 10)));
+    EXPECT_EQ(renderer.with_camera(Sensor{"0"}).width(), 8);
+    EXPECT_EQ(renderer.with_camera(Sensor{"2"}).width(), 10);
+    EXPECT_EQ(renderer.with_camera(Sensor{"sensor_2"}).width(), 10);
+    EXPECT_THROW(renderer.with_camera(Sensor{"1"}), InputError);
 }
 
 // ---- what is left out

@@ -14,6 +14,7 @@
 #include "burnish/error.h"
 #include "core/parallel.h"
 #include "optimize/floor_scene.h"
+#include "optimize/recovered_textures.h"
 #include "optimize/thread_ranks.h"
 
 namespace burnish {
@@ -118,6 +119,34 @@ TEST(SearchAgain, OneThatIsStoppedBeginsAnew) {
     twice.search_costs = at_once.search_costs;
     search_again(setup, twice);
     EXPECT_FALSE(twice == at_once);
+}
+
+TEST(SearchAgain, WhatItFindsIsKeptWhereNoSampleCame) {
+    Options options = options_with(2);
+    options.unvisited = Unvisited::kKeep;
+    const Problem problem = searched_problem(smooth_scene(), SearchStart{});
+    const burnish::Setup setup = make_setup(problem, options);
+    State::Values state = misled_state(problem, options);
+    state.iteration = 1;
+    search_again(setup, state);
+    ASSERT_GT(state.searched_again.at(0).texels, 0u);
+    const Image kept = recovered_textures(setup, state)[0].values;
+    EXPECT_EQ(kept, state.theta.textures[0].values);
+    EXPECT_NE(kept, setup.unknowns[0].start);
+}
+
+/// Of a texture of as many texels with other channels.
+TEST(SearchAgain, AStateWhoseStartsAreOfAnotherShapeIsRefused) {
+    const auto problem = [](int channels) {
+        Principled floor = metal();
+        floor.base_color.texture = {0};
+        return searched_problem(
+            floor_scene(floor, {bitmap_of(16, channels, [](int, int, int) { return 0.3f; })}),
+            SearchStart{});
+    };
+    const State gray = Solver(problem(1), options_with(2)).state();
+    EXPECT_NO_THROW(Solver(problem(1), options_with(2), gray));
+    EXPECT_THROW(Solver(problem(3), options_with(2), gray), InputError);
 }
 
 double sum_of(const std::vector<double>& values) {

@@ -173,6 +173,14 @@ TEST(SearchGuide, KnownTexturesOfTheSameMaterialGuide) {
     EXPECT_EQ(guides_of(scene, roughness, {{roughness}}), std::vector{color});
     EXPECT_TRUE(guides_of(scene, roughness, {{roughness, color}}).empty());
     EXPECT_TRUE(guides_of(scene, color, {{color}}).empty()) << "no roughness";
+    RoughConductor brushed;  // reads it beside one that has no guide
+    brushed.roughness.alpha[0].texture = roughness, brushed.roughness.alpha[1].texture = {3};
+    scene.textures.push_back(scene.textures[0]);
+    scene.bsdfs.push_back(brushed);
+    EXPECT_EQ(guides_of(scene, roughness, {{roughness}}), (std::vector<TextureId>{color, {3}}));
+    EXPECT_TRUE(guides_of(scene, roughness, {{roughness, {3}}}).empty());
+    EXPECT_TRUE(guides_of(scene, {3}, {{roughness, {3}}}).empty());
+    scene.bsdfs.pop_back();
     std::get<Bitmap>(scene.textures[1]).is_attribute = true;
     EXPECT_TRUE(guides_of(scene, roughness, {{roughness}}).empty());
 }

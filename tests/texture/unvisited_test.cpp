@@ -185,7 +185,7 @@ TEST(Unvisited, StayWhereNothingOrEverythingIsKnown) {
 
 TEST(Unvisited, KeepTheirStartIfAsked) {
     Image texels = make_image(4, 1, 3, 0.9f);
-    const Image initial = make_image(4, 1, 3, 0.25f);
+    const std::vector<float> initial(12, 0.25f);
     keep_unvisited({0, 1, 0, 5}, initial, texels);
     for (std::size_t i = 0; i < 12; ++i)
         EXPECT_EQ(texels.values[i], (i / 3) % 2 == 0 ? 0.25f : 0.9f);
