@@ -92,16 +92,17 @@ std::vector<float> shade_tile(Shaders shaders, const CacheHalf& half,
 }
 
 /// Brings the memory in line with a half's passes: drops what they dropped, makes what is new.
+/// Holds whole passes only, also where memory ends.
 void follow_passes(Shaders shaders, const CacheHalf& half, std::deque<PassMemory>& memory) {
     while (!memory.empty() &&
            (half.passes.empty() || memory.front().film_pass != half.passes.front().film_pass))
         memory.pop_front();
     for (std::size_t k = memory.size(); k < half.passes.size(); ++k) {
         const CachedPass& pass = half.passes[k];
-        memory.push_back({pass.film_pass, std::vector<RecordMemory>(pass.tiles.size())});
-        std::vector<RecordMemory>& tiles = memory.back().tiles;
+        std::vector<RecordMemory> tiles(pass.tiles.size());
         parallel_for(tiles.size(),
                      [&](std::size_t i) { tiles[i] = make_record_memory(shaders, pass.tiles[i]); });
+        memory.push_back({pass.film_pass, std::move(tiles)});
     }
 }
 
