@@ -63,10 +63,11 @@ float take_eta(Properties& properties, bool transmits) {
             fail(given_eta->site->place, fmt::format("\"eta\" is {}, expected at least 1", eta));
         return index_of(eta, transmits);
     }
-    const double specular = take_number(properties, "specular", 0.5);
+    double specular = take_number(properties, "specular", 0.5);
     if (!(specular >= 0 && specular <= 1))
         fail(given_specular->site->place,
              fmt::format("\"specular\" is {}, expected a value in [0, 1]", specular));
+    if (transmits && static_cast<float>(specular) == 0) specular = 1e-3;  // as in Mitsuba
     const double eta = 2 / (1 - std::sqrt(0.08 * specular)) - 1;
     return index_of(eta, transmits);
 }

@@ -13,7 +13,8 @@ namespace burnish::mitsuba {
 
 namespace {
 
-constexpr const char* kUnsupportedEmitters = "directionalarea sunsky timed_sunsky volumelight";
+constexpr const char* kUnsupportedEmitters =
+    "directionalarea sky sun sunsky timed_sunsky volumelight";
 
 /// Linear RGB of the spectrum that is 1 at every wavelength: an emitted <spectrum> is turned into
 /// RGB through the CIE curves, and sRGB's white is not equal-energy white. (A reflectance, and a

@@ -44,15 +44,6 @@ ReconstructionFilter read_filter(Loader& loader, const Node& node) {
     return filter;
 }
 
-/// A picture that can be written and read again.
-void require_pixels(const Place& place, const Film& film) {
-    const auto pixels =
-        static_cast<std::size_t>(film.crop_width) * static_cast<std::size_t>(film.crop_height);
-    if (pixels > kMaxImagePixels)
-        fail(place, fmt::format("the picture has {} x {} pixels, expected at most {} in all",
-                                film.crop_width, film.crop_height, kMaxImagePixels));
-}
-
 void take_size(Loader& loader, Properties& properties, Film& film) {
     film.width = take_integer(properties, "width", 768, 1, kMaxImageSide);
     film.height = take_integer(properties, "height", 576, 1, kMaxImageSide);
@@ -68,15 +59,12 @@ void take_size(Loader& loader, Properties& properties, Film& film) {
                  film.crop_width, film.crop_height, film.crop_x, film.crop_y, film.width,
                  film.height));
     const LoadOptions& options = loader.options;
-    if (options.width <= 0 || options.height <= 0) return require_pixels(place, film);
+    if (options.width <= 0 || options.height <= 0) return;
     if (film.crop_width != film.width || film.crop_height != film.height)
         note(loader, place,
              fmt::format("the film is replaced by {} x {} pixels, its crop window is dropped",
                          options.width, options.height));
-    film.width = film.crop_width = options.width;
-    film.height = film.crop_height = options.height;
-    film.crop_x = film.crop_y = 0;
-    require_pixels(place, film);
+    film = default_film(options);
 }
 
 /// What the file holds; which one it is, and with how many bits, is said on the command line.

@@ -86,9 +86,9 @@ RoughPlastic read_rough_plastic(BsdfReader& reader) {
     read_plastic_inputs(reader, bsdf);
     bsdf.shape = take_shape(reader.properties);
     bsdf.alpha = take_float(reader.properties, "alpha", 0.1f);
-    if (!(bsdf.alpha > 0 && bsdf.alpha <= 10))
+    if (!(bsdf.alpha >= 0 && bsdf.alpha <= 10))
         fail(reader.properties.node->place,
-             fmt::format("\"alpha\" is {}, expected a number in (0, 10]", bsdf.alpha));
+             fmt::format("\"alpha\" is {}, expected a number in [0, 10]", bsdf.alpha));
     return make_rough_plastic(bsdf);
 }
 

@@ -180,6 +180,15 @@ Box box_of(const Scene& scene) {
     return box;
 }
 
+/// A picture that can be written and read again.
+void require_pixels(const Place& place, const Film& film) {
+    const auto pixels =
+        static_cast<std::size_t>(film.crop_width) * static_cast<std::size_t>(film.crop_height);
+    if (pixels > kMaxImagePixels)
+        fail(place, fmt::format("the picture has {} x {} pixels, expected at most {} in all",
+                                film.crop_width, film.crop_height, kMaxImagePixels));
+}
+
 }  // namespace
 
 SceneSensor read_sensor(Loader& loader, const Node& node, std::size_t number) {
@@ -193,6 +202,7 @@ SceneSensor read_sensor(Loader& loader, const Node& node, std::size_t number) {
     sensor.id = id_or(node, fmt::format("sensor_{}", number));
     const Property* film = take_only(properties, "film");
     sensor.film = film ? read_film(loader, *film->node) : default_film(loader.options);
+    require_pixels(film ? film->node->place : node.place, sensor.film);
     if (const Property* sampler = take_only(properties, "sampler")) {
         const int count = read_sampler(loader, *sampler->node, loader.result.scene.sample_count);
         if (loader.result.scene.sensors.empty()) loader.result.scene.sample_count = count;
@@ -218,6 +228,7 @@ SceneSensor read_sensor(Loader& loader, const Node& node, std::size_t number) {
 
 SceneSensor default_sensor(Loader& loader) {
     SceneSensor sensor{"sensor_0", {}, default_film(loader.options)};
+    require_pixels(loader.document.root.place, sensor.film);
     PerspectiveCamera& camera = sensor.camera;
     camera.fov_x = 45;
     loader.result.notes.push_back(

@@ -312,9 +312,9 @@ bool is_inside(const fs::path& path, const fs::path& folder) {
 fs::path resolve_file(const Document& document, const Place& place, const std::string& name) {
     if (name.empty() || name.find('\0') != std::string::npos)
         fail(place, "the file name is empty, expected a file");
-    std::vector<fs::path> folders{fs::path(place.file).parent_path()};
-    folders.insert(folders.end(), document.search_folders.begin(), document.search_folders.end());
+    std::vector<fs::path> folders(document.search_folders.rbegin(), document.search_folders.rend());
     folders.push_back(document.top_folder);
+    folders.push_back(fs::path(place.file).parent_path());
     bool any_inside = false;
     for (const fs::path& folder : folders) {
         const fs::path candidate = folder / name;

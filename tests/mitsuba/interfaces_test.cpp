@@ -244,8 +244,10 @@ TEST(InterfaceScenes, BadOnesAreRefusedWithTheirPlace) {
     expect("<bsdf type='plastic'><float name='int_ior' value='-1'/></bsdf>",
            "\"int_ior\" is -1, expected a number above 0");
     expect("<bsdf type='plastic'><string name='int_ior' value='air'/></bsdf>", "are the same");
-    expect("<bsdf type='roughplastic'><float name='alpha' value='0'/></bsdf>",
-           "\"alpha\" is 0, expected a number in (0, 10]");
+    for (const char* alpha : {"-1", "12"})
+        expect("<bsdf type='roughplastic'><float name='alpha' value='" + std::string(alpha) +
+                   "'/></bsdf>",
+               "\"alpha\" is " + std::string(alpha) + ", expected a number in [0, 10]");
 }
 
 }  // namespace

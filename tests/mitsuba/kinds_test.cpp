@@ -555,6 +555,19 @@ TEST(Kinds, NumbersOfSensorsCountThoseThatAreLeftOut) {
     EXPECT_THROW(renderer.with_camera(Sensor{"1"}), InputError);
 }
 
+TEST(Kinds, PicturesThatNoFileHoldsAreRefusedWithoutAFilmToo) {
+    const TemporaryFolder folder;
+    LoadOptions large;
+    large.width = large.height = 30000;
+    for (const char* sensor : {"", "<sensor type='perspective'/>",
+                               "<sensor type='perspective'><film type='hdrfilm'/></sensor>"}) {
+        const auto file =
+            write_text(folder, "large.xml", "<scene version='3.0.0'>" + kSky + sensor + "</scene>");
+        EXPECT_THROW(load_scene(file, large), InputError) << sensor;
+        EXPECT_NO_THROW(load_scene(file, {})) << sensor;
+    }
+}
+
 // ---- what is left out
 
 TEST(Kinds, UnsupportedThingsCanBeLeftOut) {

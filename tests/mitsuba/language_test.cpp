@@ -74,6 +74,35 @@ TEST(Language, ForwardReferencesAliasesPathsAndIncludes) {
     EXPECT_EQ(loaded.scene.materials.size(), 1u);
 }
 
+/// As in Mitsuba 3.9.1, but for what only the folder of an included scene has.
+TEST(Language, TheLastPathIsLookedThroughFirst) {
+    const TemporaryFolder folder;
+    const auto write = [&](const std::string& name, float value) {
+        std::filesystem::create_directories((folder.path / name).parent_path());
+        write_image(folder.path / name, make_image(1, 1, 3, value));
+    };
+    write("t.exr", 0.1f), write("a/t.exr", 0.2f), write("b/t.exr", 0.3f), write("c/t.exr", 0.4f);
+    write("c/own.exr", 0.5f);
+    const auto texel = [&](const std::string& name) {
+        return "<bsdf type='diffuse' id='m'><texture type='bitmap' name='reflectance'><string "
+               "name='filename' value='" +
+               name + "'/></texture></bsdf>";
+    };
+    write_text(folder, "c/t.xml", "<scene version='3.0.0'>" + texel("t.exr") + "</scene>");
+    write_text(folder, "c/own.xml", "<scene version='3.0.0'>" + texel("own.exr") + "</scene>");
+    const std::string a = "<path value='a'/>", b = "<path value='b'/>";
+    for (const auto& [text, value] :
+         std::vector<std::pair<std::string, float>>{{texel("t.exr"), 0.1f},
+                                                    {a + texel("t.exr"), 0.2f},
+                                                    {a + b + texel("t.exr"), 0.3f},
+                                                    {texel("t.exr") + a, 0.2f},
+                                                    {"<include filename='c/t.xml'/>", 0.1f},
+                                                    {"<include filename='c/own.xml'/>", 0.5f}}) {
+        const Scene scene = load_text(folder, kLight + text).scene;
+        EXPECT_EQ(linear_image(std::get<Bitmap>(scene.textures.at(0))).values.at(0), value) << text;
+    }
+}
+
 /// As in Mitsuba 3.9.1.
 TEST(Language, OfANameTheLastElementOfTheSceneCounts) {
     const TemporaryFolder folder;
@@ -388,6 +417,11 @@ TEST(Language, PrincipledFlagsAndEta) {
               1.001f)
         << "no other float";
     EXPECT_EQ(principled("<float name='eta' value='1'/>").eta, 1.0f);
+    EXPECT_NEAR(principled("<float name='specular' value='0'/><float name='spec_trans' "
+                           "value='0.5'/>")
+                    .eta,
+                2 / (1 - std::sqrt(0.08 * 1e-3)) - 1, 1e-6)
+        << "as if it were 0.001";
     EXPECT_EQ(principled("")[PrincipledScalar::kRoughness].constant, 0.5f);
     EXPECT_EQ(
         principled("<rgb name='roughness' value='0.9 0.9 0.9'/>")[PrincipledScalar::kRoughness]
