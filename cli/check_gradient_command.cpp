@@ -108,7 +108,8 @@ void add_check_gradient_command(CLI::App& app) {
         ->type_name("NAME[:SIZE]")
         ->required();
     add_number(*command, "--spp", options->check.samples, "N",
-               "Samples per pixel of each of the two", {kCheckBatches, kMaxSamplesPerPixel, true});
+               "Samples per pixel of each of the two, rounded up to a multiple of 32",
+               {kCheckBatches, kMaxSamplesPerPixel, true});
     add_choice(*command, "--estimator", options->check.estimator, "How the derivative is estimated",
                has_own_derivatives);
     add_texture_option(*command, options->textures);

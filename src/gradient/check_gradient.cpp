@@ -1,6 +1,7 @@
 #include "gradient/check_gradient.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "burnish/error.h"
@@ -12,11 +13,12 @@ namespace {
 
 constexpr int kBlocks = 8;  // a side of what is moved, and of what is weighed, with one sign
 
-/// What a texture is moved along, and how the image is weighed.
+/// What a texture is moved along, and how the image is weighed: of all textures alike.
 struct Direction {
     const char* name;
     Image texels, adjoint;
 };
+constexpr std::size_t kDirections = 2;
 
 /// Signs by blocks of an image, the same for all of its channels.
 Image signs(int width, int height, int channels, std::uint32_t seed) {
@@ -31,12 +33,14 @@ Image signs(int width, int height, int channels, std::uint32_t seed) {
     return image;
 }
 
-std::vector<Direction> directions_of(const Image& texels, const Film& film, std::uint32_t seed) {
+using Directions = std::array<Direction, kDirections>;
+
+Directions directions_of(const Image& texels, const Film& film, std::uint32_t seed) {
     const int width = film.crop_width, height = film.crop_height;
-    return {{"all texels together", make_image(texels.width, texels.height, texels.channels, 1),
-             make_image(width, height, 3, 1)},
-            {"blocks up and down", signs(texels.width, texels.height, texels.channels, seed),
-             signs(width, height, 3, seed + 1)}};
+    return {{{"all texels together", make_image(texels.width, texels.height, texels.channels, 1),
+              make_image(width, height, 3, 1)},
+             {"blocks up and down", signs(texels.width, texels.height, texels.channels, seed),
+              signs(width, height, 3, seed + 1)}}};
 }
 
 /// sum A I with a texture moved by so many steps.
@@ -89,6 +93,26 @@ Agreement agreement_of(const GradientCheck& check) {
     return 4 * error > size ? Agreement::kTooNoisy : Agreement::kAgree;
 }
 
+/// Of one direction of one texture, by batches.
+struct Batches {
+    std::vector<double> estimates, differences;
+};
+
+/// drawn: whether the texture weighs parts of blends.
+GradientCheck check_of(const Batches& batches, bool drawn) {
+    std::vector<double> gaps;
+    for (std::size_t i = 0; i < batches.estimates.size(); ++i)
+        gaps.push_back(batches.estimates[i] - batches.differences[i]);
+    const CheckedMean gap = mean_of(gaps);
+    GradientCheck check;
+    check.estimate = mean_of(batches.estimates), check.difference = mean_of(batches.differences);
+    check.t = gap.standard_error > 0 ? gap.mean / gap.standard_error : 0;
+    check.agreement = agreement_of(check);
+    if (drawn && !is_told(batches.differences, check) && check.agreement != Agreement::kNothing)
+        check.agreement = Agreement::kTooNoisy;
+    return check;
+}
+
 }  // namespace
 
 Theta within_steps(Theta theta) {
@@ -104,34 +128,35 @@ std::vector<GradientCheck> check_gradient(const CheckGradientOptions& options,
         throw InputError("samples per pixel are " + std::to_string(options.samples) +
                          ": expected at least " + std::to_string(kCheckBatches) +
                          ", one for each batch");
-    const std::uint32_t passes = options.samples / kCheckBatches;
+    const std::uint32_t passes = (options.samples + kCheckBatches - 1) / kCheckBatches;
     const Binding binding(view, theta);
-    std::vector<GradientCheck> checks;
-    const double all = 2.0 * kCheckBatches * static_cast<double>(theta.textures.size());
+    const std::size_t slots = theta.textures.size();
+    std::vector<Directions> directions;
+    for (const ThetaTexture& t : theta.textures)
+        directions.push_back(directions_of(t.values, view.film, options.seed));
+    std::vector<std::array<Batches, kDirections>> batches(slots);
+    const auto all = static_cast<double>(kDirections * kCheckBatches * slots);
     double done = 0;
-    for (std::size_t slot = 0; slot < theta.textures.size(); ++slot) {
-        const bool drawn = weighs_parts(*view.scene, theta.textures[slot].texture);
-        for (const Direction& d :
-             directions_of(theta.textures[slot].values, view.film, options.seed)) {
-            std::vector<double> estimates, differences, gaps;
-            for (std::uint32_t batch = 0; batch < kCheckBatches; ++batch) {
-                const std::uint32_t seed = seed_of_half(options.seed, batch);
-                const MeanGradientOptions mean{options.estimator, passes, seed};
-                estimates.push_back(dot(mean_gradient(mean, binding, d.adjoint)[slot], d.texels));
-                differences.push_back(
-                    difference(view, theta, slot, d, {seed, Stream::kEvaluation}, passes));
-                gaps.push_back(estimates.back() - differences.back());
+    for (std::size_t d = 0; d < kDirections && slots > 0; ++d)
+        for (std::uint32_t batch = 0; batch < kCheckBatches; ++batch) {
+            const std::uint32_t seed = seed_of_half(options.seed, batch);
+            const auto gradient = mean_gradient({options.estimator, passes, seed}, binding,
+                                                directions.front()[d].adjoint);
+            for (std::size_t slot = 0; slot < slots; ++slot) {
+                const Direction& along = directions[slot][d];
+                batches[slot][d].estimates.push_back(dot(gradient[slot], along.texels));
+                batches[slot][d].differences.push_back(
+                    difference(view, theta, slot, along, {seed, Stream::kEvaluation}, passes));
                 if (report) report(++done / all);
             }
-            const CheckedMean gap = mean_of(gaps);
-            GradientCheck check{slot, d.name, mean_of(estimates), mean_of(differences)};
-            check.t = gap.standard_error > 0 ? gap.mean / gap.standard_error : 0;
-            check.agreement = agreement_of(check);
-            if (drawn && !is_told(differences, check) && check.agreement != Agreement::kNothing)
-                check.agreement = Agreement::kTooNoisy;
-            checks.push_back(check);
         }
-    }
+    std::vector<GradientCheck> checks;
+    for (std::size_t slot = 0; slot < slots; ++slot)
+        for (std::size_t d = 0; d < kDirections; ++d) {
+            const bool drawn = weighs_parts(*view.scene, theta.textures[slot].texture);
+            checks.push_back(check_of(batches[slot][d], drawn));
+            checks.back().slot = slot, checks.back().direction = directions[slot][d].name;
+        }
     return checks;
 }
 

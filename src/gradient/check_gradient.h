@@ -15,7 +15,8 @@ namespace burnish {
 
 struct CheckGradientOptions {
     Estimator estimator = MonteCarlo{};  ///< with derivatives of its own: has_own_derivatives
-    std::uint32_t samples = 256;  ///< per pixel, of all batches together; at least kCheckBatches
+    /// Per pixel, of all batches together; at least kCheckBatches, rounded up to whole multiples.
+    std::uint32_t samples = 256;
     std::uint32_t seed = 0;
 };
 inline constexpr std::uint32_t kCheckBatches = 32;
