@@ -72,6 +72,12 @@ EarlierRun earlier_run(const Settings& asked) {
     return checkpoints_in(folder / kCheckpoints).empty() ? EarlierRun::kNone : EarlierRun::kStopped;
 }
 
+bool holds_ended_run(const std::string& folder) {
+    const nlohmann::json summary = summary_in(folder);
+    return !summary.is_null() && has_ended(summary["result"]) &&
+           (!summary.contains("compared") || has_ended(summary["compared"]));
+}
+
 std::string result_text(const std::string& folder) {
     const nlohmann::json summary = summary_in(folder);
     if (summary.is_null()) return {};

@@ -23,6 +23,10 @@ enum class EarlierRun {
 };
 EarlierRun earlier_run(const Settings& asked);
 
+/// Whether a folder holds the results of a run, and of a second one where there was one, that has
+/// met one of its rules.
+bool holds_ended_run(const std::string& folder);
+
 /// "loss 0.14 -> 0.02, 200 iterations", of the results in a folder; empty where there are none.
 std::string result_text(const std::string& folder);
 

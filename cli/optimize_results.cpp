@@ -156,7 +156,7 @@ void write_all(const Renderer& renderer, RunResult& run, OutputFolder& output) {
     };
     const bool can_go_on = was_ended(run.result) ||
                            (run.settings.compared && (!run.compared || was_ended(*run.compared)));
-    if (can_go_on)
+    if (can_go_on && output.owns_checkpoints)
         for (const std::string& file : checkpoint_files(output)) files.push_back(file);
     write_bytes(folder / kSummary, summary_json(run, files));
     move_into_place(output);

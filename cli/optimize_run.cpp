@@ -158,7 +158,7 @@ void log_start(const RunResult& run) {
 }
 
 /// The descent of the first run and what its result is worth.
-void solve_first(Problem problem, const OutputFolder& output, std::optional<Checkpoint> from,
+void solve_first(Problem problem, OutputFolder& output, std::optional<Checkpoint> from,
                  Phases& phases, RunResult& run) {
     const double earlier = from ? from->run.seconds : 0;
     const bool searches = !from;
@@ -185,7 +185,7 @@ void solve_first(Problem problem, const OutputFolder& output, std::optional<Chec
     log_result(run, run.result);
 }
 
-void solve_second(Problem problem, const OutputFolder& output, Phases& phases, RunResult& run) {
+void solve_second(Problem problem, OutputFolder& output, Phases& phases, RunResult& run) {
     RunCheckpoints checkpoints(run, output, kCompared);
     std::optional<Checkpoint> from;
     const std::string& folder = checkpoints.options().folder;
@@ -265,7 +265,6 @@ void run_to_the_end(const Task& task, OutputFolder& output, std::optional<Checkp
     const bool again = settings.compared.has_value();
     if (!is_first(run.ranks) && !again) run.views.clear();  // the problem has them
     const InterruptGuard guard;
-    if (!run.goes_on && is_first(run.ranks)) clear_checkpoints(output);
     solve_first(std::move(problem), output, std::move(from), phases, run);
     if (again && agree(run.ranks, !interrupted()))
         solve_second(make_problem(renderer, run), output, phases, run);

@@ -182,7 +182,7 @@ void find_content(OutputFolder& output, Found found) {
         output.earlier_files = std::move(*files);
     }
     refuse_links(output.folder);
-    all_checkpoints(output.folder);  // throws where they cannot be listed
+    output.owns_checkpoints = all_checkpoints(output.folder).empty() || found == Found::kResumed;
     refuse_content(output, found);
 }
 
@@ -224,7 +224,6 @@ OutputFolder open_output_folder(const fs::path& folder, Found found) {
     output.folder = folder;
     output.unfinished = folder / kUnfinished;
     output.checkpoints = folder / kCheckpoints;
-    output.owns_checkpoints = found == Found::kResumed;
     std::error_code error;
     if (fs::exists(folder, error) && !fs::is_directory(folder, error))
         fail(folder, "expected a folder for the results, found a file");
@@ -293,11 +292,18 @@ void require_room(const OutputFolder& output, double bytes) {
                          bytes_text(bytes), std::strerror(error)));
 }
 
-void clear_checkpoints(OutputFolder& output) {
+void take_checkpoints(OutputFolder& output, const fs::path& first) {
+    if (output.owns_checkpoints) return;
+    std::error_code ignored;
+    for (const fs::path& file : all_checkpoints(output.folder))
+        if (file != first) fs::remove(file, ignored);
+    output.owns_checkpoints = true;
+}
+
+void clear_checkpoints(const OutputFolder& output) {
     std::error_code ignored;
     for (const fs::path& file : all_checkpoints(output.folder)) fs::remove(file, ignored);
     remove_histories(output.folder);
-    output.owns_checkpoints = true;
 }
 
 bool keeps_run(const OutputFolder& output) {

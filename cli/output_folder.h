@@ -46,8 +46,10 @@ void make_temporary(OutputFolder& output);
 /// Throws OutputError where the disk, a quota or a limit has no room for so many bytes.
 void require_room(const OutputFolder& output, double bytes);
 
-/// Those of a run that was stopped go; what is written from then on is the run's own.
-void clear_checkpoints(OutputFolder& output);
+/// The first of the run that writes here lies on the disk: those of an older one go.
+void take_checkpoints(OutputFolder& output, const std::filesystem::path& first);
+/// All go.
+void clear_checkpoints(const OutputFolder& output);
 /// They stay: relative to the folder.
 std::vector<std::string> checkpoint_files(const OutputFolder& output);
 /// Whether the run that writes here has left a checkpoint, of this process or of one before it.

@@ -66,7 +66,7 @@ void require_checkpoint(const std::string& folder) {
     if (checkpoints_in(fs::path(folder) / kCheckpoints).empty())
         throw InputError(
             fmt::format("{}: {}, expected the folder of a run that was stopped", folder,
-                        result_text(folder).empty() ? "found no checkpoint" : "its run is done"));
+                        holds_ended_run(folder) ? "its run is done" : "found no checkpoint"));
 }
 
 Checkpoint load_run(const OutputFolder& output, const Ranks& ranks) {
@@ -91,9 +91,8 @@ std::string asked_of(const Checkpoint& checkpoint) {
     return about_run(checkpoint).at("asked").dump();
 }
 
-RunCheckpoints::RunCheckpoints(const RunResult& run, const OutputFolder& output,
-                               const std::string& part)
-    : hint_(resume_hint(output)), writes_(is_first(run.ranks)) {
+RunCheckpoints::RunCheckpoints(const RunResult& run, OutputFolder& output, const std::string& part)
+    : output_(output), hint_(resume_hint(output)), writes_(is_first(run.ranks)) {
     options_.folder = (output.checkpoints / part).string();
     options_.seconds = run.settings.run.checkpoint_seconds;
     const nlohmann::ordered_json about{{"settings", settings_json(run.settings)},
@@ -123,7 +122,9 @@ void RunCheckpoints::tell(const CheckpointNote& note) {
     if (!note.error.empty() && error_.empty())
         log_warning(fmt::format("{}; the run goes on without this checkpoint", note.error));
     error_ = note.error;
-    if (note.error.empty()) set_on_disk(note.is_last ? OnDisk::kAll : OnDisk::kPart, hint_);
+    if (!note.error.empty()) return;
+    take_checkpoints(output_, note.file);
+    set_on_disk(note.is_last ? OnDisk::kAll : OnDisk::kPart, hint_);
 }
 
 void RunCheckpoints::suspend() const {

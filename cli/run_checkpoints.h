@@ -35,8 +35,9 @@ std::string asked_of(const Checkpoint& checkpoint);
 /// Checkpoints and history of one run.
 class RunCheckpoints {
   public:
-    /// part: of a second run, "compared".
-    RunCheckpoints(const RunResult& run, const OutputFolder& output, const std::string& part = {});
+    /// part: of a second run, "compared". The folder outlives this; it becomes the run's own with
+    /// its first checkpoint.
+    RunCheckpoints(const RunResult& run, OutputFolder& output, const std::string& part = {});
     RunCheckpoints(const RunCheckpoints&) = delete;
     RunCheckpoints& operator=(const RunCheckpoints&) = delete;
 
@@ -51,6 +52,7 @@ class RunCheckpoints {
   private:
     void tell(const CheckpointNote& note);
 
+    OutputFolder& output_;
     Checkpoints options_;
     std::string hint_;
     std::string error_;  ///< of the last checkpoint; empty: it was written

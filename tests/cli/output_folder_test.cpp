@@ -235,6 +235,23 @@ TEST_F(OutputFolderTest, WhatIsNoCheckpointStaysBesideThem) {
     EXPECT_EQ(content("out"), before);
 }
 
+TEST_F(OutputFolderTest, CheckpointsOfAnOlderRunGoWithTheFirstOfTheNewOne) {
+    EXPECT_TRUE(open_output_folder(folder / "new", Found::kRefused).owns_checkpoints);
+    const char* older[] = {"out/checkpoints/0000000000.burnish",
+                           "out/checkpoints/0000000005.burnish",
+                           "out/checkpoints/compared/0000000005.burnish"};
+    for (const char* file : older) put(file, "x");
+    OutputFolder output = open_output_folder(folder / "out", Found::kAllowed);
+    EXPECT_FALSE(keeps_run(output)) << "they are of another run";
+    for (const char* name : {"0000000001.burnish", "0000000002.burnish"}) {
+        put(std::string("out/checkpoints/") + name, "y");
+        take_checkpoints(output, output.checkpoints / name);
+        EXPECT_TRUE(keeps_run(output));
+        for (const char* file : older) EXPECT_FALSE(fs::exists(folder / file)) << file;
+        EXPECT_TRUE(fs::exists(folder / "out/checkpoints/0000000001.burnish"));
+    }
+}
+
 TEST_F(OutputFolderTest, ASummaryThatNoRunHasWrittenIsNone) {
     const auto is_one = [&](std::size_t arrays, std::size_t spaces) {
         put("out/summary.json", R"({"burnish": "\"[", "files": [], "asked": )" +

@@ -212,6 +212,36 @@ TEST_F(Resume, CtrlCKeepsResultsAndTheRunGoesOn) {
     expect_same("whole", "again");
 }
 
+/// A search that would last for longer.
+TEST_F(Resume, ANewRunThatIsStoppedBeforeItsFirstCheckpointLeavesTheOldOne) {
+    ASSERT_EQ(run(std::string(kLongRun) + "-o whole").code, 0);
+    stop(std::string(kLongRun) + "-o out", "out", SIGINT);
+    const int before = iterations_of("out");
+    ASSERT_GT(before, 0);
+    const pid_t pid = start(
+        "optimize scene.xml --parameter base_color --size 768 768 --target-spp 1 --threads 1 "
+        "--time 3600 -o out");
+    EXPECT_TRUE(wait_for_error_text("optimising"));
+    sleep(0.1);
+    kill(pid, SIGINT);
+    end_of(pid);
+    EXPECT_TRUE(contains(read_text(folder / ".err"), "nothing of this run is kept"))
+        << read_text(folder / ".err");
+    EXPECT_EQ(iterations_of("out"), before);
+    ASSERT_EQ(run("optimize --resume out").code, 0) << read_text(folder / ".err");
+    expect_same("whole", "out");
+}
+
+TEST_F(Resume, ARunThatCtrlCHasEndedIsNotDone) {
+    fs::create_directory(folder / "out");
+    for (const auto& [ending, said] :
+         {std::pair("signal", "found no checkpoint"), std::pair("iterations", "its run is done")}) {
+        write_text(folder / "out/summary.json",
+                   fmt::format(R"({{"asked": {{}}, "result": {{"ended_by": "{}"}}}})", ending));
+        expect_refused("optimize --resume out", 65, said);
+    }
+}
+
 TEST_F(Resume, ANewRunThatFailsDoesNotTakeTheOldOneForItself) {
     stop(std::string(kLongRun) + "-o out", "out", SIGTERM);
     const int before = iterations_of("out");
