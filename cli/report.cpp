@@ -124,9 +124,14 @@ std::string texture_section(const RunResult& run, std::size_t i) {
     };
     const auto error = [&](double e) { return "error " + error_text(e, 4); };
     const std::string heading = texture_heading(t);
-    if (!t.truth)
-        return heading + "<div class=\"pictures three\">\n" + show("Start", "", t.initial) +
-               show("Result", "", after) + "</div>\n";
+    if (!t.truth) {
+        std::string html = heading + "<div class=\"pictures three\">\n";
+        html += show("Start", "", t.initial) + show("Result", "", after);
+        if (run.compared)
+            html += show(fmt::format("Result of {}", name_of(*run.compared)), "",
+                         run.compared->summary.textures[i].values);
+        return html + "</div>\n";
+    }
     const std::vector<char>& visited = t.evidence.visited;
     const float white =
         std::max(quantile(absolute_error(t.initial, *t.truth), 0.99, visited), 1e-3f);

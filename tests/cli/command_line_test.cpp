@@ -934,6 +934,19 @@ TEST_F(CommandLine, TheReportSpeaksOfWhatItShows) {
     EXPECT_FALSE(contains(plain, "kept ones"));
 }
 
+TEST_F(CommandLine, TheReportOfAPhotographShowsBothResults) {
+    write_scene();
+    ASSERT_EQ(run("render scene.xml --spp 16 -o photograph.exr").code, 0);
+    ASSERT_EQ(run("optimize scene.xml --parameter base_color --target photograph.exr --init 0.5 "
+                  "--spp 2 --evaluation-spp 8 --iterations 2 --compare mc -o out")
+                  .code,
+              0);
+    const std::string page = read_text(folder / "out/report.html");
+    for (const char* name : {"Start", "Result", "Result of mc"})
+        EXPECT_TRUE(contains(page, std::string("<img class=\"small\" alt=\"") + name + "\""))
+            << name;
+}
+
 TEST_F(CommandLine, TheReportSaysWhatAnEstimatorKeeps) {
     write_scene();
     const auto report = [&](const std::string& options) {
