@@ -91,6 +91,25 @@ void check_coordinates(const Scene& scene, const Shape& shape, const Mesh& mesh,
 
 }  // namespace
 
+std::vector<MaterialId> shown_parts(const Scene& scene, MaterialId material) {
+    const auto& blend = scene[material].blend;
+    if (!blend) return {material};
+    std::vector<MaterialId> parts;
+    const auto add = [&](MaterialId part) {
+        for (const MaterialId inner : shown_parts(scene, part)) parts.push_back(inner);
+    };
+    const ScalarInput& weight = blend->weight;
+    if (weight.texture || weight.constant < 1) add(blend->first);
+    if (weight.texture || weight.constant > 0) add(blend->second);
+    return parts;
+}
+
+bool has_black_back(const Scene& scene, MaterialId material) {
+    return std::ranges::none_of(shown_parts(scene, material), [&](MaterialId part) {
+        return scene[part].back || transmits(scene[scene[part].front]);
+    });
+}
+
 std::string label_of_emitter(const Scene& scene, std::size_t i) {
     const auto numbered = [&] { return fmt::format("emitter {}", i + 1); };
     return match(

@@ -37,6 +37,12 @@ void check_enclosed_lights(const TracedScene& traced, Findings& findings);
 /// Materials that no shape has.
 void check_materials(const Scene& scene, Findings& findings);
 
+/// The materials that blend nothing and that a material may show: a blend with a constant weight of
+/// 0 or 1 shows one of its two. The first one of a mask is nothing, which transmits.
+std::vector<MaterialId> shown_parts(const Scene& scene, MaterialId material);
+/// Whether a material is black from behind wherever it is seen, whatever the light.
+bool has_black_back(const Scene& scene, MaterialId material);
+
 /// What messages call an emitter.
 std::string label_of_emitter(const Scene& scene, std::size_t emitter);
 

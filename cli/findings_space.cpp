@@ -20,6 +20,22 @@ bool holds(const Box& box, const Vec3f& p) {
            p.z >= box.low.z && p.z <= box.high.z;
 }
 
+/// Whether light is refracted into it.
+bool is_glass(const Bsdf& bsdf) {
+    return match(
+        bsdf, [](const Diffuse&) { return false; },
+        [](const Principled& b) { return b.has_spec_trans; },
+        [](const Conductor&) { return false; }, [](const RoughConductor&) { return false; },
+        [](const Plastic&) { return false; }, [](const RoughPlastic&) { return false; },
+        [](const Dielectric& b) { return !b.thin; }, [](const RoughDielectric&) { return true; },
+        [](const PrincipledThin&) { return false; });
+}
+
+bool holds_glass(const Scene& scene, MaterialId material) {
+    return std::ranges::any_of(shown_parts(scene, material),
+                               [&](MaterialId part) { return is_glass(scene[scene[part].front]); });
+}
+
 void check_orientation(const Scene& scene, const Shape& shape, const Vec3f& eye,
                        Findings& findings) {
     constexpr std::size_t kMaxTriangles = 300'000;  // beyond, it would take seconds
@@ -31,13 +47,16 @@ void check_orientation(const Scene& scene, const Shape& shape, const Vec3f& eye,
             fmt::format("shape '{}': {} of {} triangles face away from the normals of their "
                         "vertices",
                         shape.id, check.turned_normals, check.triangles));
-    const bool shows_its_back = shape.material && scene[shape.material].back && !shape.emitter;
-    if (!shows_its_back && !holds(box_of(shape.geometry), eye) && check.is_closed &&
-        check.volume < 0)
+    if (holds(box_of(shape.geometry), eye) || !check.is_closed || check.volume >= 0) return;
+    const auto add = [&](const char* what) {
         findings.push_back(fmt::format(
-            "shape '{}' is closed and its normals point inwards: it is black from outside "
-            "(flip_normals turns them)",
-            shape.id));
+            "shape '{}' is closed and its normals point inwards: {} (flip_normals turns them)",
+            shape.id, what));
+    };
+    if (shape.emitter || has_black_back(scene, shape.material))
+        add("it is black from outside");
+    else if (holds_glass(scene, shape.material))
+        add("inside and outside of its glass are exchanged, unless it is a hollow in it");
 }
 
 /// Directions over the sphere, evenly.
@@ -152,9 +171,10 @@ void check_enclosed_lights(const TracedScene& traced, Findings& findings) {
         const std::int32_t around = surrounding_shape(traced, places_of(traced, scene.emitters[i]));
         if (around < 0 || around == around_camera) continue;
         const Shape& shape = scene.shapes[static_cast<std::size_t>(around)];
-        const Material& material = scene[shape.material];
-        if (shape.emitter.value == static_cast<std::int32_t>(i) || transmits(scene[material.front]))
-            continue;
+        const bool lets_light_through = std::ranges::any_of(
+            shown_parts(scene, shape.material),
+            [&](MaterialId part) { return transmits(scene[scene[part].front]); });
+        if (shape.emitter.value == static_cast<std::int32_t>(i) || lets_light_through) continue;
         findings.push_back(fmt::format(
             "{} lies inside of shape '{}', which lets no light through: it lights nothing else",
             label_of_emitter(scene, i), shape.id));

@@ -124,11 +124,6 @@ CameraRay<float> probe_ray(const Film& film, const CameraRays& camera, int x, in
     return camera_ray<float>(camera, position);
 }
 
-bool is_black_back(const Scene& scene, const Material& material) {
-    if (material.back || !material.front) return false;
-    return !transmits(scene[material.front]);
-}
-
 void record(const Scene& scene, const TriangleTable& triangles, const Hit& hit,
             const CameraRay<float>& ray, Seen& seen) {
     if (hit.shape < 0) {
@@ -141,7 +136,7 @@ void record(const Scene& scene, const TriangleTable& triangles, const Hit& hit,
     const bool behind =
         dot(surface_at(scene, triangles, hit, ray.origin, ray.direction).geometric_normal,
             ray.direction) > 0;
-    if (behind && !shape.emitter && is_black_back(scene, scene[shape.material])) ++seen.black_back;
+    if (behind && !shape.emitter && has_black_back(scene, shape.material)) ++seen.black_back;
 }
 
 Seen look(const TracedScene& traced) {

@@ -178,6 +178,7 @@ struct PrincipledThin {
 ///   shading/bsdf.h              its parameters, and eval / sample / pdf on a scalar type T
 ///   paths/traced_scene.cpp      whether it is black whatever the light
 ///   cli/blender_script.cpp, models/gltf_material.cpp   what other programs get of it
+///   cli/findings_space.cpp      whether it is glass
 /// The compiler does not name:
 ///   mitsuba/bsdfs.cpp           its reader, and its name in kSupported: there, kinds are strings
 ///   docs/reference/mitsuba.md   its row

@@ -1,6 +1,8 @@
 // What `burnish info` finds wrong, each on a small scene that has it, and on one that has not.
 #include <gtest/gtest.h>
 
+#include <functional>
+
 #include "cli/inspect.h"
 #include "mitsuba/temporary_scene.h"
 
@@ -214,6 +216,61 @@ TEST(Findings, SurfacesThatAreInsideOut) {
     EXPECT_FALSE(inside_out(flipped + "<bsdf type='twosided'><bsdf type='diffuse'/></bsdf>"));
     EXPECT_FALSE(inside_out(flipped + "<transform name='to_world'><scale value='20'/></transform>"))
         << "a room";
+}
+
+TEST(Findings, GlassThatIsInsideOut) {
+    const TemporaryFolder folder;
+    const auto findings = [&](const std::string& bsdf) {
+        std::string all;
+        for (const std::string& text :
+             findings_of(folder, kSky +
+                                     "<shape type='cube'><boolean name='flip_normals' "
+                                     "value='true'/>" +
+                                     bsdf + "</shape>"))
+            if (text.find("normals point inwards") != std::string::npos) all += text;
+        return all;
+    };
+    const auto is_glass = [&](const std::string& bsdf) {
+        return findings(bsdf).find("inside and outside of its glass") != std::string::npos;
+    };
+    EXPECT_TRUE(is_glass("<bsdf type='dielectric'/>"));
+    EXPECT_TRUE(is_glass("<bsdf type='roughdielectric'/>"));
+    EXPECT_TRUE(
+        is_glass("<bsdf type='principled'><float name='spec_trans' value='0.5'/>"
+                 "</bsdf>"));
+    for (const char* thin : {"thindielectric", "principledthin", "null"})
+        EXPECT_EQ(findings(std::string("<bsdf type='") + thin + "'/>"), "") << thin;
+}
+
+/// Of a blend what its weight lets show.
+TEST(Findings, BlendsAreAskedForTheirParts) {
+    const TemporaryFolder folder;
+    const auto mask = [](const char* opacity) {
+        return std::string("<bsdf type='mask'><float name='opacity' value='") + opacity +
+               "'/><bsdf type='diffuse'/></bsdf>";
+    };
+    const auto blend = [](const char* weight) {
+        return std::string("<bsdf type='blendbsdf'><float name='weight' value='") + weight +
+               "'/><bsdf type='thindielectric'/><bsdf type='diffuse'/></bsdf>";
+    };
+    const std::string wall =
+        "<transform name='to_world'><scale value='20'/><rotate y='1' angle='180'/></transform>";
+    for (const auto& make : {std::function<std::string(const char*)>(mask),
+                             std::function<std::string(const char*)>(blend)})
+        for (const auto& [weight, is_solid] :
+             {std::pair("0", false), std::pair("0.5", false), std::pair("1", true)}) {
+            const std::string material = make(weight);
+            EXPECT_EQ(mentions(findings_of(folder, "<shape type='cube'>" + material +
+                                                       "</shape><emitter type='spot'/>"),
+                               "lets no light through"),
+                      is_solid)
+                << material;
+            EXPECT_EQ(mentions(findings_of(folder, kSky + "<shape type='rectangle'>" + wall +
+                                                       material + "</shape>"),
+                               "black back"),
+                      is_solid)
+                << material;
+        }
 }
 
 TEST(Findings, NormalsThatContradictTheirTriangles) {
