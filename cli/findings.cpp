@@ -104,6 +104,13 @@ std::vector<MaterialId> shown_parts(const Scene& scene, MaterialId material) {
     return parts;
 }
 
+bool has_parameter(const Scene& scene, MaterialId material) {
+    const std::vector<TextureId> textures = textures_of(scene, material);
+    return std::ranges::any_of(scene.parameters, [&](const Parameter& p) {
+        return std::ranges::count(textures, p.texture) > 0;
+    });
+}
+
 bool has_black_back(const Scene& scene, MaterialId material) {
     return std::ranges::none_of(shown_parts(scene, material), [&](MaterialId part) {
         return scene[part].back || transmits(scene[scene[part].front]);
@@ -173,11 +180,9 @@ void check_materials(const Scene& scene, Findings& findings) {
     // By their BSDFs: a material inside another one shares its own.
     std::vector<char> used(scene.bsdfs.size(), 0);
     const auto use = [&](const std::vector<Shape>& shapes) {
-        for (const Shape& shape : shapes) {
-            if (!shape.material) continue;
+        for (const Shape& shape : shapes)
             for (const BsdfId id : bsdfs_of(scene, shape.material))
                 used[static_cast<std::size_t>(id.value)] = 1;
-        }
     };
     use(scene.shapes), use(scene.prototypes);
     std::vector<std::string> unused;

@@ -37,6 +37,8 @@ void check_enclosed_lights(const TracedScene& traced, Findings& findings);
 /// Materials that no shape has.
 void check_materials(const Scene& scene, Findings& findings);
 
+/// Whether a material reads the bitmap of a parameter.
+bool has_parameter(const Scene& scene, MaterialId material);
 /// The materials that blend nothing and that a material may show: a blend with a constant weight of
 /// 0 or 1 shows one of its two. The first one of a mask is nothing, which transmits.
 std::vector<MaterialId> shown_parts(const Scene& scene, MaterialId material);

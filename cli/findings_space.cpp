@@ -153,12 +153,8 @@ void check_orientations(const TracedScene& traced, Findings& findings) {
 }
 
 void check_places(const Scene& scene, Findings& findings) {
-    const auto is_parameter = [&](TextureId texture) {
-        return std::ranges::find(scene.parameters, texture, &Parameter::texture) !=
-               scene.parameters.end();
-    };
     for (const Shape& shape : scene.shapes) {
-        if (!std::ranges::any_of(textures_of(scene, shape.material), is_parameter)) continue;
+        if (!has_parameter(scene, shape.material)) continue;
         if (const std::string text = complaint_of_place(box_of(shape.geometry)); !text.empty())
             findings.push_back(fmt::format("shape '{}' {}", shape.id, text));
     }

@@ -31,14 +31,6 @@ UvTransform fitted(const Mesh& mesh) {
     return {{x, 0, -low.x * x, 0, y, -low.y * y}};
 }
 
-/// Whether a material reads the bitmap of a parameter.
-bool has_parameter(const Scene& scene, MaterialId material) {
-    for (const TextureId id : textures_of(scene, material))
-        for (const Parameter& p : scene.parameters)
-            if (p.texture == id) return true;
-    return false;
-}
-
 constexpr int kSide = 512;            // of a grid: a share of the area is all that is asked
 constexpr double kWorthSaying = 0.1;  // a seam or a hidden rim overlaps, too
 

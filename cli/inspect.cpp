@@ -131,7 +131,6 @@ void record(const Scene& scene, const TriangleTable& triangles, const Hit& hit,
         return;
     }
     const Shape& shape = scene.shapes[static_cast<std::size_t>(hit.shape)];
-    if (!shape.material) return;
     ++seen.materials[static_cast<std::size_t>(shape.material.value)];
     const bool behind =
         dot(surface_at(scene, triangles, hit, ray.origin, ray.direction).geometric_normal,
