@@ -78,7 +78,7 @@ int run_command(int argc, char** argv, const Ranks& ranks) {
             "expected a command: new, optimize, batch, render, gradient, check-gradient, info, "
             "scene or reproduce");
     } catch (const CLI::Success& help) {
-        return print_asked(help_text(app, help));
+        return is_first(ranks) ? print_asked(help_text(app, help)) : kDone;
     } catch (const CLI::ParseError& error) {
         return usage_error(app, usage_text(app, error));
     } catch (const UsageError& error) {

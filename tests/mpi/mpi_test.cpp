@@ -41,6 +41,14 @@ TEST_F(Mpi, ProcessesThatDoNotKnowOfEachOtherAreSaid) {
     }
 }
 
+TEST_F(Mpi, HelpIsPrintedOnce) {
+    for (const std::string command : {"optimize", "batch"}) {
+        const Outcome outcome = run_on(2, command + " --help");
+        EXPECT_EQ(outcome.code, 0) << outcome.err;
+        EXPECT_EQ(count_of("Usage: burnish " + command, outcome.out), 1u) << outcome.out;
+    }
+}
+
 TEST_F(Mpi, AnyNumberOfProcessesMakesTheBytesOfTheProgram) {
     ASSERT_EQ(run(quick("-o alone")).code, 0) << read_text(folder / ".err");
     for (const int count : {1, 2, 3, 7}) {
