@@ -57,7 +57,9 @@ KeptResults keep_results(std::filesystem::path folder) {
 
 std::filesystem::path kept_path(const KeptResults& kept, const std::string& name,
                                 const nlohmann::json& made_of) {
-    return kept.folder / fmt::format("{}-{:016x}", name, hash_of(made_of.dump() + kept.program));
+    const std::string text =
+        made_of.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);  // of any file name
+    return kept.folder / fmt::format("{}-{:016x}", name, hash_of(text + kept.program));
 }
 
 std::optional<nlohmann::json> find_kept(const KeptResults& kept, const std::string& name,

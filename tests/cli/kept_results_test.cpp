@@ -49,6 +49,14 @@ TEST(KeptFolder, LiesBesideThatOfTheReport) {
     EXPECT_EQ(kept_folder("..").string(), here.parent_path().string() + ".kept");
 }
 
+TEST_F(KeptResultsTest, MayBeMadeOfFilesOfAnyName) {
+    const nlohmann::json made_of{{"files", {"caf\xe9.exr"}}}, other{{"files", {"caf\xe8.exr"}}};
+    EXPECT_FALSE(find_kept(kept, "x", made_of));
+    keep(kept, "x", made_of, 1);
+    EXPECT_EQ(find_kept(kept, "x", made_of), 1);
+    EXPECT_FALSE(find_kept(kept, "x", other));
+}
+
 TEST_F(KeptResultsTest, ComeBackToTheByte) {
     ExperimentResult result{"inverse", "Title", {}, {}, 1.0 / 3};
     result.measurements = {{"inverse", "tire", "mc", "loss", 0.1},
