@@ -68,8 +68,9 @@ void refuse_content(const OutputFolder& output, Found found) {
         fail(folder, "expected a folder that does not exist yet, or an empty one");
     if (found != Found::kRefused) return;
     if (holds_stopped_run(folder, output.earlier_files))
-        fail(folder, fmt::format("holds a run that was stopped: expected --resume {}, which goes "
-                                 "on with it, or --force, which begins anew",
+        fail(folder, fmt::format("holds a run that was stopped: expected `burnish optimize "
+                                 "--resume {}`, which goes on with it, or --force, which begins "
+                                 "anew",
                                  shell_word(folder.string())));
     if (!output.replaces && holds_anything(folder))
         fail(folder,

@@ -165,7 +165,8 @@ TEST_F(Resume, TheSystemsSignalsEndItWithACheckpoint) {
         EXPECT_TRUE(fs::exists(folder / out / "checkpoints/history.csv"));
         // What was stopped is not thrown away.
         expect_refused(std::string(kLongRun) + "-o " + out, 73,
-                       "holds a run that was stopped: expected --resume " + out);
+                       "holds a run that was stopped: expected `burnish optimize --resume " + out +
+                           "`, which goes on with it");
         // A limit of the memory that leaves all records room decides on nothing.
         const Outcome resumed = run("optimize --threads 1 --max-memory 1 --resume " + out);
         ASSERT_EQ(resumed.code, 0) << resumed.err;
