@@ -31,11 +31,11 @@ StartKind kind_of_start(const std::string& text) {
 
 /// 0.5 stands for a start that is still to be searched.
 Image initial_texels(const Bitmap& bitmap, const std::string& text, const std::string& name) {
-    if (text == "scene") return linear_image(bitmap);
     if (text == "search") return make_image(bitmap.width, bitmap.height, bitmap.channels, 0.5f);
-    Image texels = read_texels(bitmap, text, "the start of " + name);
+    Image texels =
+        text == "scene" ? linear_image(bitmap) : read_texels(bitmap, text, "the start of " + name);
     for (const float v : texels.values)
-        if (v < 0 || v > 1)
+        if (!(v >= 0 && v <= 1))
             throw InputError(
                 fmt::format("the start of {} holds {}, expected values from 0 to 1", name, v));
     return texels;

@@ -934,6 +934,17 @@ TEST_F(CommandLine, TheReportSpeaksOfWhatItShows) {
     EXPECT_FALSE(contains(plain, "kept ones"));
 }
 
+/// The library says only after targets are rendered that some texels are.
+TEST_F(CommandLine, AStartOfTheSceneOutsideOfItsRangeIsSaidAtOnce) {
+    write_scene();
+    Image roughness = make_image(8, 8, 1, 0.5f);
+    roughness.at(3, 4, 0) = 1.5f;
+    write_image(folder / "roughness.exr", roughness);
+    expect_refused("optimize scene.xml --parameter roughness --init scene -o out", 65,
+                   "the start of mat-panel.brdf_0.roughness.data holds 1.5, expected values from 0 "
+                   "to 1");
+}
+
 TEST_F(CommandLine, TheReportOfAPhotographShowsBothResults) {
     write_scene();
     ASSERT_EQ(run("render scene.xml --spp 16 -o photograph.exr").code, 0);
