@@ -199,6 +199,8 @@ void solve_second(Problem problem, OutputFolder& output, Phases& phases, RunResu
     if (!is_first(run.ranks)) return;
     measure_errors(run.textures, *run.compared);
     const Summary& summary = run.compared->summary;
+    if (!summary.searched.empty())
+        run.phases.emplace_back("second search for the start", summary.search_seconds);
     phases.end("second optimisation", "its evaluation", summary.seconds, earlier,
                searches ? summary.search_seconds : 0);
     log_result(run, *run.compared);

@@ -47,6 +47,8 @@ TEST_F(SearchedStart, OfALongRunIsRepeatedAndComparedWith) {
     EXPECT_EQ(groups("long", "compared"), groups("long", "result"));
     EXPECT_EQ(groups("again", "result"), groups("long", "result"));
     expect_same_files(folder / "long", folder / "again");
+    EXPECT_EQ(summary_of("long")["seconds"]["second search for the start"],
+              summary_of("long")["compared"]["search"]["seconds"]);
 }
 
 /// A texture of 8 x 8 texels in the place of a reflectance.
