@@ -336,14 +336,9 @@ void move_into_place(OutputFolder& output) {
 
 std::vector<std::string> folder_names(const std::vector<View>& views) {
     std::vector<std::string> names;
-    for (std::size_t i = 0; i < views.size(); ++i) {
-        const std::string plain = file_name_of(name_of(views[i], i));
-        std::string name = plain;
-        for (int n = 2; std::find(names.begin(), names.end(), name) != names.end(); ++n)
-            name = fmt::format("{}_{}", plain, n);
-        names.push_back(name);
-    }
-    return names;
+    for (std::size_t i = 0; i < views.size(); ++i)
+        names.push_back(file_name_of(name_of(views[i], i)));
+    return unique_names(std::move(names));
 }
 
 }  // namespace burnish

@@ -17,9 +17,9 @@
 #include "cli/reproduce_parts.h"
 #include "cli/reproduce_report.h"
 #include "cli/settings.h"
+#include "cli/summary.h"
 #include "core/joined.h"
 #include "core/parallel.h"
-#include "core/version.h"
 #include "experiments/experiments.h"
 #include "experiments/interval.h"
 #include "image/files.h"
@@ -204,8 +204,7 @@ void write_results(const Reproduction& run, OutputFolder& output) {
     write_bytes(output.unfinished / "results.csv", reproduction_csv(run));
     std::vector<std::string> files = unfinished_files(output);
     files.push_back(kSummary);
-    const nlohmann::ordered_json summary{{"burnish", version_text()}, {"files", files}};
-    write_bytes(output.unfinished / kSummary, summary.dump(2) + "\n");
+    write_bytes(output.unfinished / kSummary, list_json(files));
     move_into_place(output);
 }
 

@@ -51,7 +51,6 @@ TargetTexture make_target_texture(const RunSettings& run, std::size_t i, bool re
     t.is_color = read_as_color(scene, p.texture);
     if (!t.is_color) keep_luminance(bitmap);
     t.name = p.name;
-    t.file = file_name_of(p.name);
     t.texture = p.texture;
     t.raw = bitmap.raw;
     t.own_rate = rated.learning_rate;
@@ -74,14 +73,15 @@ std::vector<TargetTexture> make_target_textures(const Settings& settings, bool r
                                                 Scene& scene) {
     std::vector<TargetTexture> textures;
     std::vector<TextureId> ids;
+    std::vector<std::string> files;
     for (std::size_t i = 0; i < settings.run.parameters.size(); ++i) {
-        TargetTexture t = make_target_texture(settings.run, i, rendered, scene);
-        for (const TargetTexture& other : textures)
-            if (other.file == t.file) t.file += fmt::format("_{}", i);
-        ids.push_back(t.texture);
-        textures.push_back(std::move(t));
+        textures.push_back(make_target_texture(settings.run, i, rendered, scene));
+        ids.push_back(textures.back().texture);
+        files.push_back(file_name_of(textures.back().name));
     }
     require_distinct(settings.run.parameters, ids);
+    files = unique_names(std::move(files));
+    for (std::size_t i = 0; i < files.size(); ++i) textures[i].file = files[i];
     for (TargetTexture& t : textures)
         t.learning_rate =
             learning_rate_of(scene, ids, t.texture, t.start_kind, settings.options, t.own_rate);

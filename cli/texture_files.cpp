@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <set>
 #include <utility>
 
 #include "captures/pictures.h"
@@ -42,6 +43,15 @@ std::string file_name_of(const std::string& given) {
     if (name.empty() || name.front() == '.') name.insert(name.begin(), '_');
     constexpr std::size_t kMost = 200;  // of the 255 bytes of a file system: endings follow
     return name.substr(0, kMost);
+}
+
+std::vector<std::string> unique_names(std::vector<std::string> names) {
+    std::set<std::string> taken;
+    for (std::string& name : names) {
+        const std::string plain = name;
+        for (int n = 2; !taken.insert(name).second; ++n) name = fmt::format("{}_{}", plain, n);
+    }
+    return names;
 }
 
 }  // namespace burnish

@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <string>
+#include <vector>
 
 #include "burnish/photograph.h"
 #include "image/image.h"
@@ -24,5 +25,9 @@ Image read_radiance(const std::filesystem::path& file, int width, int height,
 /// The name of a parameter or a view as that of a folder, or of a file without extension: of plain
 /// letters, and cut where it is too long. Names may become the same.
 std::string file_name_of(const std::string& given);
+
+/// Each that an earlier one has gets the first of the endings _2, _3 and so on that none before it
+/// has.
+std::vector<std::string> unique_names(std::vector<std::string> names);
 
 }  // namespace burnish

@@ -14,6 +14,7 @@
 #include "cli/folder_content.h"
 #include "cli/history.h"
 #include "cli/program.h"
+#include "cli/texture_files.h"
 
 namespace burnish {
 namespace {
@@ -283,6 +284,12 @@ TEST(FolderNames, AreShortAndDifferFromEachOther) {
     EXPECT_EQ(names[1], std::string(200, 'a') + "_2");
     EXPECT_EQ(names[2], "cam_1");
     EXPECT_EQ(names[3], "cam_1_2");
+}
+
+/// Where an earlier one has the ending's name by itself, too.
+TEST(UniqueNames, DifferFromAllBefore) {
+    const std::vector<std::string> given{"x_2", "x", "x", "y", "x_2"};
+    EXPECT_EQ(unique_names(given), (std::vector<std::string>{"x_2", "x", "x_3", "y", "x_2_2"}));
 }
 
 }  // namespace
