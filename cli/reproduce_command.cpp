@@ -306,12 +306,14 @@ void add_reproduce_command(CLI::App& app) {
         ->allow_extra_args(false);
     command
         ->add_option("--size", options->size,
-                     "Of the images; textures follow in the paper's proportion")
+                     "Of the images; textures follow in the paper's proportion, with --full those "
+                     "of the scene stay")
         ->type_name("W H")
         ->expected(2)
         ->check(in_range({16, 8192, true}));
     add_number(*command, "--time-scale", options->time_scale, "X",
-               "Multiplies the seconds of optimisation runs and the samples of references",
+               "Multiplies the seconds and iterations of optimisation runs, and the samples of "
+               "references and of equal-error",
                {0.01, 1000, false});
     command->add_flag("--full", options->full,
                       "The paper's sizes and budgets: takes hours. One run of each method, so that "
