@@ -152,7 +152,8 @@ constexpr RunRow kTable[] = {
     {.info = {.name = "run.max_memory",
               .flag = "--max-memory",
               .level = kBasic,
-              .sentence = "What the process may take [half of the machine's memory]",
+              .sentence = "What the process may take [path_cache: half of the machine's memory, or "
+                          "of its control group; others: any]",
               .unit = "GiB",
               .range = kPositive,
               .unset = "auto"},

@@ -35,7 +35,7 @@ struct RunSettings {
     double scale = 1;                   ///< of pictures, in (0, 1]
     std::optional<Estimator> compare;
     std::uint32_t compare_iterations = 0;  ///< 0: as long as the first run
-    std::optional<double> max_memory;      ///< GiB, of the process; empty: half of the machine's
+    std::optional<double> max_memory;      ///< GiB, of the process; empty: see run_table.cpp
     int threads = 0;                       ///< 0: all cores
     std::string output = "burnish-out";
     bool force = false;
