@@ -197,7 +197,7 @@ std::string reason_of_costs(const std::vector<Method>& methods) {
 std::string reason_of(const std::vector<Method>& methods, const Budget& budget, bool is_behind) {
     const auto ratio = [&](At at) { return loss_ratio(methods[kReplay], methods[kMc], at); };
     std::string why;
-    if (is_behind && ratio(kIterations).ratio > 1)
+    if (is_behind && stands_above_one(ratio(kIterations)))
         why = "At equal iterations, too.";
     else if (has_long(budget) && stands_above_one(ratio(kLong)))
         why = fmt::format("After {} the loss of pgris with replay is the higher one.",

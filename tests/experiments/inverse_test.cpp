@@ -160,42 +160,44 @@ TEST(Inverse, GoingOnIsDecidedByWholeIntervals) {
 /// The losses of pgris as it passes its budgets.
 using PgrisLosses = std::array<double, kMoments>;
 
-/// Runs that nobody made: one of each method. mc has losses of 1, and its iterations take half of
-/// the time. Two methods go on to twice the time of the derivative; the path cache has one
-/// iteration.
-std::shared_ptr<const InverseRuns> invented_runs(const TargetScene& scene,
-                                                 const ReproduceOptions& options,
-                                                 const PgrisLosses& losses) {
-    InverseRuns runs = planned_runs(scene, options);
-    for (Method& method : runs.methods) {
-        const bool is_pgris = method.name.starts_with("pgris");
-        burnish::Run run;
-        for (std::size_t at = 0; at < kMoments; ++at) {
-            Moment& m = run.at[at];
-            m.iteration = 10, m.derivative_seconds = is_pgris ? 0.02 : 0.01;
-            m.loss = is_pgris ? losses[at] : 1;
-            m.noise_floor = 0.5 * static_cast<double>(at + 1);
-            m.step_length = is_pgris ? 0.5 : 0.25;
-        }
-        run.losses.name = method.name;
-        const int count = method.name == "path cache" ? 1 : method.is_long ? 100 : 50;
-        const double step = options.budget.derivative_seconds / 50;
-        for (int i = 1; i <= count; ++i) run.losses.points.push_back({i * step, 1.0 / i});
-        method.runs.push_back(std::move(run));
+/// A run that nobody made. mc has losses of 1, and its iterations take half of the time. Two
+/// methods go on to twice the time of the derivative; the path cache has one iteration.
+burnish::Run invented_run(const Method& method, const ReproduceOptions& options,
+                          const PgrisLosses& losses) {
+    const bool is_pgris = method.name.starts_with("pgris");
+    burnish::Run run;
+    for (std::size_t at = 0; at < kMoments; ++at) {
+        Moment& m = run.at[at];
+        m.iteration = 10, m.derivative_seconds = is_pgris ? 0.02 : 0.01;
+        m.loss = is_pgris ? losses[at] : 1;
+        m.noise_floor = 0.5 * static_cast<double>(at + 1);
+        m.step_length = is_pgris ? 0.5 : 0.25;
     }
-    return std::make_shared<const InverseRuns>(std::move(runs));
+    run.losses.name = method.name;
+    const int count = method.name == "path cache" ? 1 : method.is_long ? 100 : 50;
+    const double step = options.budget.derivative_seconds / 50;
+    for (int i = 1; i <= count; ++i) run.losses.points.push_back({i * step, 1.0 / i});
+    return run;
 }
 
-/// What is said of invented runs.
-std::vector<Figure> figures_of(const PgrisLosses& losses,
-                               const Budget& budget = {8, 40, 0.05, 0.1}) {
+/// What is said of invented runs, one for each of the losses.
+std::vector<Figure> figures_of_runs(const std::vector<PgrisLosses>& losses,
+                                    const Budget& budget = {8, 40, 0.05, 0.1}) {
     ReproduceOptions options = test::small_options();
-    options.runs = 1;
+    options.runs = static_cast<std::uint32_t>(losses.size());
     options.budget = budget;
     std::vector<TargetScene> scenes;
     scenes.push_back(test::small_target_scene(options));
-    scenes[0].runs = invented_runs(scenes[0], options, losses);
+    scenes[0].runs = make_runs(scenes[0], options, [&](const Method& method, std::uint32_t k) {
+        return std::optional(invented_run(method, options, losses[k]));
+    });
     return run_inverse(scenes, options, {[](const std::string&) {}, {}}).figures;
+}
+
+/// The same of one run.
+std::vector<Figure> figures_of(const PgrisLosses& losses,
+                               const Budget& budget = {8, 40, 0.05, 0.1}) {
+    return figures_of_runs({losses}, budget);
 }
 
 // At the paper's size there is one run, and no verdict.
@@ -220,6 +222,16 @@ TEST(Inverse, ASingleRunThatIsBehindHasAReason) {
 
     const Figure late_figure = figures_of({2, 2, 2, 2}).at(2);
     EXPECT_TRUE(has(late_figure.why, "mc has not converged")) << late_figure.measured;
+}
+
+// Of several runs the interval decides, as for the verdict.
+TEST(Inverse, RunsThatDifferSayNothingOfEqualIterations) {
+    const auto why = [](double first, double second) {
+        return figures_of_runs({{first, 2, 2, 2}, {second, 2, 2, 2}}).at(0).why;
+    };
+    EXPECT_TRUE(why(2, 2.1).starts_with("At equal iterations, too.")) << why(2, 2.1);
+    EXPECT_TRUE(why(0.9, 1.3).starts_with("After 40 iterations the loss of pgris with replay"))
+        << why(0.9, 1.3);
 }
 
 TEST(Inverse, ItsPlotsHaveACurveForEachMethod) {
