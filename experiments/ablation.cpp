@@ -293,10 +293,7 @@ Figure figure_of(const TargetScene& scene, const std::vector<Row>& rows, const P
 
 std::string ablation_reason(const RatioInterval& positivization, const RatioInterval& reuse) {
     std::vector<std::string> reasons;
-    if (stands_above_one(positivization))
-        reasons.emplace_back(
-            "A second reservoir pays where the samples of a texel differ in sign; where they "
-            "hardly do, one with |q| does as well.");
+    if (stands_above_one(positivization)) reasons.emplace_back(kPositivizationReason);
     if (stands_above_one(reuse))
         reasons.emplace_back(
             "The textures move so much between iterations that the history says little about "

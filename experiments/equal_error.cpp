@@ -65,8 +65,11 @@ RatioInterval mean_of(std::span<const EqualErrorRun> runs, Value value) {
     for (const EqualErrorRun& run : runs) values.push_back(value(run));
     return ratio_interval(values);
 }
-RatioInterval samples_of_mc(const EqualError& row) {
-    return mean_of(row.runs, [](const EqualErrorRun& run) { return run.mc.samples; });
+RatioInterval samples_of_mc(std::span<const EqualErrorRun> runs) {
+    return mean_of(runs, [](const EqualErrorRun& run) { return run.mc.samples; });
+}
+RatioInterval seconds_of_mc(std::span<const EqualErrorRun> runs) {
+    return mean_of(runs, [](const EqualErrorRun& run) { return run.mc.seconds; });
 }
 /// A mean in words, after `bound` where a run is one.
 std::string bounded_text(const EqualError& row, const char* bound, const RatioInterval& mean) {
@@ -74,22 +77,21 @@ std::string bounded_text(const EqualError& row, const char* bound, const RatioIn
     return (is_bound ? bound : "") + text_of(mean);
 }
 std::string samples_text(const EqualError& row) {
-    return bounded_text(row, "at least ", samples_of_mc(row));
+    return bounded_text(row, "at least ", samples_of_mc(row.runs));
 }
 std::string seconds_text(const EqualError& row) {
     return bounded_text(row, "at most ", seconds_ratio(row.runs));
 }
 /// Of mc, without an interval.
 std::string seconds_of_mc_text(const EqualError& row) {
-    const double mean =
-        mean_of(row.runs, [](const EqualErrorRun& run) { return run.mc.seconds; }).ratio;
+    const double mean = seconds_of_mc(row.runs).ratio;
     if (std::isnan(mean)) return text_of({.ratio = mean});
     return fmt::format("{}{:.4f}", has_bound(row.runs) ? "at least " : "", mean);
 }
 
 /// What the error of a row's shift takes of mc.
 std::string needs_text(const EqualError& row) {
-    if (std::isnan(samples_of_mc(row).ratio)) return text_of(samples_of_mc(row));
+    if (std::isnan(samples_of_mc(row.runs).ratio)) return text_of(samples_of_mc(row.runs));
     return fmt::format("{} samples per pixel, and pgris {} times the seconds of that stage",
                        samples_text(row), seconds_text(row));
 }
@@ -172,12 +174,7 @@ Figure figure_of(const TargetScene& scene, const std::vector<EqualError>& rows, 
         interval_text(rows[0].runs.size()), needs_text(rows[0]), needs_text(rows[1]),
         image_seconds);
     f.verdict = verdict_of_ways(verdict_of(rows[0].runs), verdict_of(rows[1].runs));
-    const bool is_slower =
-        !has_bound(rows[0].runs) && stands_above_one(seconds_ratio(rows[0].runs));
-    if (is_slower && samples_of_mc(rows[0]).ratio > 1)
-        f.why =
-            "With replay more samples are needed, but on a CPU they cost less than shifting the "
-            "history.";
+    f.why = equal_error_reason(rows[0].runs, f.verdict);
     f.tables.push_back(table_of(rows));
     f.plots.push_back(plot_of(rows, sweep));
     return f;
@@ -197,6 +194,30 @@ RatioInterval seconds_ratio(std::span<const EqualErrorRun> runs) {
 Verdict verdict_of(std::span<const EqualErrorRun> runs) {
     const RatioInterval ratio = seconds_ratio(runs);
     return has_bound(runs) ? bounds_below_one(ratio) : verdict_below_one(ratio);
+}
+
+std::string equal_error_reason(std::span<const EqualErrorRun> replay, Verdict of_figure) {
+    const RatioInterval ratio = seconds_ratio(replay);
+    const bool is_bound = has_bound(replay);
+    if (!is_bound && stands_above_one(ratio)) {
+        if (samples_of_mc(replay).ratio > 1)
+            return fmt::format(
+                "With replay more samples are needed, but on a CPU they cost less than shifting "
+                "the history: {:.3g} s in place of {:.3g} s.",
+                seconds_of_mc(replay).ratio,
+                mean_of(replay, [](const EqualErrorRun& run) { return run.seconds; }).ratio);
+        return fmt::format(
+            "A single sample per pixel of mc has no higher error than replay, and shifting the "
+            "history takes {:.2f} times its seconds.",
+            ratio.ratio);
+    }
+    if (!falls_short(of_figure)) return {};
+    if (std::isnan(ratio.ratio))
+        return "The noise of the converged derivative hides what replay does.";
+    if (is_bound)
+        return "The error of replay is out of reach for mc here: a bound of its seconds does not "
+               "decide.";
+    return "The interval of replay holds 1: more runs would decide.";
 }
 
 ExperimentResult run_equal_error(TargetScenes scenes, const ReproduceOptions& options,

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <span>
+#include <string>
 
 #include "experiments/interval.h"
 
@@ -25,5 +26,8 @@ bool has_bound(std::span<const EqualErrorRun> runs);
 RatioInterval seconds_ratio(std::span<const EqualErrorRun> runs);
 /// Of the claim that pgris takes less time. A bound may tell that it does, never that it does not.
 Verdict verdict_of(std::span<const EqualErrorRun> runs);
+/// Why the claim does not hold of the replay shift; empty where neither the verdict of the figure
+/// nor a single run is against it.
+std::string equal_error_reason(std::span<const EqualErrorRun> replay, Verdict of_figure);
 
 }  // namespace burnish

@@ -60,7 +60,7 @@ struct Figure {
     std::string title;     ///< of the section
     std::string claim;     ///< what the paper says
     std::string measured;  ///< what was measured here
-    std::string why;       ///< where it does not hold: why not
+    std::string why;       ///< where it does not hold: why not, if that was measured
     Verdict verdict = Verdict::kShown;
     std::vector<Table> tables;
     std::vector<Plot> plots;

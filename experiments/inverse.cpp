@@ -6,6 +6,7 @@
 #include <initializer_list>
 #include <limits>
 
+#include "experiments/ablation.h"
 #include "experiments/close_up.h"
 #include "experiments/interval.h"
 #include "experiments/inverse_runs.h"
@@ -259,6 +260,7 @@ Figure positivization_figure(const TargetScene& scene, double start,
     f.measured +=
         " Shown are the parts that differ most; losses and errors below are of the whole.";
     f.verdict = verdict_below_one(ratio(kIterations));
+    if (stands_above_one(ratio(kIterations))) f.why = kPositivizationReason;
     f.pictures = close_ups_of(scene, start, methods);
     return f;
 }

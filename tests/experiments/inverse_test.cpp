@@ -14,6 +14,7 @@
 #include <utility>
 #include <vector>
 
+#include "experiments/ablation.h"
 #include "experiments/interval.h"
 #include "experiments/small_target_scene.h"
 
@@ -219,6 +220,13 @@ TEST(Inverse, ASingleRunThatIsBehindHasAReason) {
     EXPECT_TRUE(late.starts_with("After 40 iterations the loss of pgris with replay is the higher"))
         << late;
     EXPECT_TRUE(has(late, steps) && !has(late, "On a CPU")) << late;
+
+    // gris has losses of 1.
+    const auto of_positivization = [](double loss) {
+        return figures_of({loss, 1, 1, 1}).at(1).why;
+    };
+    EXPECT_EQ(of_positivization(2), kPositivizationReason);
+    EXPECT_EQ(of_positivization(0.5), "");
 
     const Figure late_figure = figures_of({2, 2, 2, 2}).at(2);
     EXPECT_TRUE(has(late_figure.why, "mc has not converged")) << late_figure.measured;
