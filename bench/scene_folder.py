@@ -41,7 +41,10 @@ def write_scene(name: str, folder: Path, arguments) -> Path:
     folder.mkdir(parents=True, exist_ok=True)
     record.write_text(json.dumps(wanted, indent=1) + "\n")
     if name in PUBLISHED:
-        shutil.copytree(arguments.scenes / name, file.parent, copy_function=shutil.copyfile)
+        unfinished = folder / "scene.unfinished"
+        shutil.rmtree(unfinished, ignore_errors=True)
+        shutil.copytree(arguments.scenes / name, unfinished, copy_function=shutil.copyfile)
+        unfinished.rename(file.parent)
     else:
         subprocess.run([arguments.burnish, "scene", name, "-o", file.parent, "--texture-size",
                         str(arguments.texture_size)], check=True, stdout=subprocess.DEVNULL)

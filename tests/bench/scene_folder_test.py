@@ -1,9 +1,11 @@
 """The scene of a folder of captures is taken again only where it was made of the same."""
+import shutil
 import sys
 import tempfile
 import unittest
 from pathlib import Path
 from types import SimpleNamespace
+from unittest import mock
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "bench"))
 import scene_folder
@@ -49,6 +51,22 @@ class SceneFolder(unittest.TestCase):
         elsewhere.write_text("<scene version=\"3\"/>")
         with self.assertRaisesRegex(SystemExit, "tire holds a copy of other files: expected another folder"):
             self.write("tire", scenes=self.root / "elsewhere")
+
+    def test_a_copy_that_was_interrupted_is_made_again(self):
+        (self.root / "scenes" / "tire" / "texture.exr").write_text("texels")
+        copy = shutil.copyfile
+
+        def copy_scene_alone(source, target, **options):
+            if Path(source).name != "scene.xml":
+                raise KeyboardInterrupt
+            return copy(source, target, **options)
+
+        for _ in range(2):
+            with mock.patch.object(shutil, "copyfile", copy_scene_alone), self.assertRaises(KeyboardInterrupt):
+                self.write("tire")
+        folder = self.write("tire").parent
+        self.assertEqual(sorted(f.name for f in folder.iterdir()), ["scene.xml", "texture.exr"])
+        self.assertEqual(sorted(f.name for f in folder.parent.iterdir()), ["scene", "scene.json"])
 
 
 if __name__ == "__main__":
