@@ -227,7 +227,7 @@ std::string sampling_text(const std::vector<Row>& rows) {
                        text("pgris", first[1], rows[kPgrisRow]));
 }
 
-/// What is left of the loss at the start, without the noise floor; at least 0.
+/// What is left of the loss at the start, without the noise of the target; at least 0.
 double left_of(const ParameterizationStudy& s, const ParameterizationEnd& end) {
     return std::max(0.0, end.loss - s.truth_loss) / (s.loss - s.truth_loss);
 }

@@ -30,7 +30,7 @@ ParameterizationStudy study_parameterizations(const TargetScene& scene,
                                               const WorkNote& note) {
     ParameterizationStudy study;
     const auto loss_of = [&](const Solver& solver) {
-        return solver.evaluate(options.evaluation_samples).loss;
+        return loss_without_noise(solver.evaluate(options.evaluation_samples));
     };
     for (const auto& [name, kind] : {std::pair{"texels", Parameterization::kTexels},
                                      {"pyramid", Parameterization::kPyramid}}) {

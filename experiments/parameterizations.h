@@ -11,11 +11,12 @@ namespace burnish {
 struct ParameterizationEnd {
     std::string name;
     std::uint32_t iterations = 0;
-    double loss = 0, texture_error = 0;
+    double loss = 0;  ///< without the noise of its image
+    double texture_error = 0;
 };
 struct ParameterizationStudy {
     double loss = 0, texture_error = 0;  ///< at the start
-    double truth_loss = 0;               ///< of the true texture: the noise floor of an evaluation
+    double truth_loss = 0;               ///< of the true texture: the noise of the target
     std::vector<ParameterizationEnd> ends;
 };
 

@@ -5,9 +5,11 @@
 #include <cmath>
 #include <map>
 #include <set>
+#include <utility>
 
 #include "experiments/ablation.h"
 #include "experiments/experiments.h"
+#include "experiments/parameterizations.h"
 #include "experiments/small_target_scene.h"
 
 namespace burnish {
@@ -173,6 +175,27 @@ TEST(Ablation, HasARowForEachParameterization) {
                                 }),
                   2)
             << metric;
+}
+
+// The noise of an image depends on its texture: that of the truth is not that of the others.
+TEST(Ablation, LossesOfParameterizationsAreWithoutNoise) {
+    ReproduceOptions options = test::small_options();
+    options.sweep_seconds = 0;
+    const TargetScene scene = test::small_target_scene(options);
+    const ParameterizationStudy study =
+        study_parameterizations(scene, options, {[](const std::string&) {}, {}});
+    Options run;
+    run.parameterization = Parameterization::kTexels;
+    run.seed = options.seed;
+    const auto evaluation_of = [&](Start start) {
+        return Solver(problem_of(scene, std::move(start)), run)
+            .evaluate(options.evaluation_samples);
+    };
+    const Evaluation start = evaluation_of(0.5f), truth = evaluation_of(scene.truth);
+    ASSERT_GT(start.noise_floor, 0);
+    EXPECT_EQ(study.loss, start.loss - start.noise_floor);
+    EXPECT_EQ(study.truth_loss, truth.loss - truth.noise_floor);
+    EXPECT_EQ(study.ends.at(0).loss, study.loss) << "no step was made";
 }
 
 TEST(Ablation, ErrorsThatTheReferenceHidesTellNothing) {
