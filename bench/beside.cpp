@@ -21,9 +21,6 @@
 #include "core/median.h"
 #include "experiments/trajectory.h"
 #include "image/image.h"
-#include "optimize/evaluation.h"
-#include "optimize/iterate.h"
-#include "optimize/loss.h"
 #include "texture/coverage.h"
 
 using namespace burnish;
@@ -148,16 +145,12 @@ void differentiate_along(const CommandLine& line) {
 
 // ---- evaluation
 
-/// The loss without the noise of the image: from two independent halves.
+/// The loss without the noise of the image.
 double loss_of(const TargetScene& scene, const Image& texture, const CommandLine& line) {
     Options options = options_of(line);
     options.parameterization = Parameterization::kTexels;  // starts at `texture` to the byte
-    const Setup setup = make_setup(problem_of(scene, texture), options);
-    const auto half = [&](std::uint32_t which) {
-        return evaluation_image(setup, 0, initial_theta(setup), {1, which},
-                                line.evaluation_samples);
-    };
-    return loss_of_halves(options.loss, half(0), half(1), scene.target, {});
+    const Solver solver(problem_of(scene, texture), options);
+    return loss_without_noise(solver.evaluate(2 * line.evaluation_samples, 1));
 }
 
 void evaluate_textures(const CommandLine& line) {
