@@ -154,18 +154,13 @@ double loss_of(const TargetScene& scene, const Image& texture, const CommandLine
 }
 
 void evaluate_textures(const CommandLine& line) {
-    constexpr std::uint32_t kCoveragePasses = 16;
-    TargetScene scene = scene_of(line);
-    const Theta truth{{{scene.texture, scene.truth}}};
-    const Film& film = scene.traced().film;
-    const Image ones = make_image(film.crop_width, film.crop_height, 3, 1.0f);
-    scene.visited =
-        texel_evidence(scene.traced(), truth, ones, line.seed, kCoveragePasses)[0].visited;
+    const TargetScene scene = scene_of(line);
+    const std::vector<char> visited = visited_texels(scene, line.seed);
     Json textures = Json::array();
     for (const std::string& file : line.files) {
         const Image texture = read_texture(scene, file);
         textures.push_back({{"loss", loss_of(scene, texture, line)},
-                            {"texture_error", texture_error(texture, scene.truth, scene.visited)}});
+                            {"texture_error", texture_error(texture, scene.truth, visited)}});
     }
     std::cout << textures << std::endl;
 }

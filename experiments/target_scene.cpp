@@ -50,19 +50,22 @@ Image bring_to_size(Bitmap& bitmap, int side) {
 }  // namespace
 
 TargetScene load_target_scene(const TargetSource& source, const ReproduceOptions& options) {
-    constexpr std::uint32_t kCoveragePasses = 16;
     LoadOptions load;
     load.width = options.width, load.height = options.height;
     LoadedScene loaded = load_scene(source.file, load);
     const TextureId texture = target_texture(loaded.scene, source);
     Image truth = bring_to_size(std::get<Bitmap>(loaded.scene[texture]), options.texture_side);
     TargetScene scene{source, make_renderer(std::move(loaded)), texture, std::move(truth), {}};
-    const Theta theta{{{texture, scene.truth}}};
+    scene.visited = visited_texels(scene, options.seed);
+    return scene;
+}
+
+std::vector<char> visited_texels(const TargetScene& scene, std::uint32_t seed) {
+    constexpr std::uint32_t kPasses = 16;
+    const Theta truth{{{scene.texture, scene.truth}}};
     const Film& film = scene.traced().film;
     const Image ones = make_image(film.crop_width, film.crop_height, 3, 1.0f);
-    scene.visited =
-        texel_evidence(scene.traced(), theta, ones, options.seed, kCoveragePasses)[0].visited;
-    return scene;
+    return texel_evidence(scene.traced(), truth, ones, seed, kPasses)[0].visited;
 }
 
 Image render_target(const TargetScene& scene, const ReproduceOptions& options,

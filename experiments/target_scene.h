@@ -5,6 +5,7 @@
 #include <functional>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "burnish/solve.h"
 #include "render/render.h"
@@ -76,6 +77,8 @@ struct TargetScene {
 /// Loads the scene and brings its texture to size; the target is empty. Throws InputError: the
 /// scene cannot be read or has no such parameter.
 TargetScene load_target_scene(const TargetSource& source, const ReproduceOptions& options);
+/// The texels of the true texture that light paths meet in a few passes.
+std::vector<char> visited_texels(const TargetScene& scene, std::uint32_t seed);
 /// The image to match, from the scene's own textures.
 Image render_target(const TargetScene& scene, const ReproduceOptions& options,
                     const Progress& progress = {});
