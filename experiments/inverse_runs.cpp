@@ -124,7 +124,7 @@ Moment evaluate_moment(const TargetScene& scene, const ReproduceOptions& options
     Evaluation e = solver.evaluate(options.evaluation_samples);
     Moment m;
     m.iteration = solver.iterations();
-    m.loss = e.loss - e.noise_floor, m.noise_floor = e.noise_floor;
+    m.loss = loss_without_noise(e), m.noise_floor = e.noise_floor;
     m.texture_error = texture_error(solver.texture(0), scene.truth, scene.visited);
     m.image = std::move(e.views[0].image), m.texture = solver.texture(0);
     return m;
