@@ -3,7 +3,7 @@
 
     bench/light_selection.py BURNISH SCENE.xml... [--size 128] [--spp 16] [--seeds 8] [--reference 512] [--repeats 5] [-D k=v]
 
-Error: mean over pixels and channels of (I - R)^2 / (R^2 + 0.01), R the mean of images of all three ways. Time: that of the
+Error: mean over pixels and channels of (I - R)^2 / (R^2 + 0.01), R the mean of images of all four ways. Time: that of the
 processors for the samples alone: the difference of two runs with other numbers of samples, in turns, the median of the
 repeats. Efficiency: 1 / (error * time).
 """
