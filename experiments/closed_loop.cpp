@@ -47,9 +47,10 @@ LoopBias bias_of(std::span<const LoopProducts> runs) {
     double error = 0, norm = 0;
     for (const LoopProducts& p : runs) error += p.error, norm += p.norm;
     const double bias = error / norm;
+    const double n = static_cast<double>(runs.size());
     double squares = 0;  // of a ratio of means, to first order
     for (const LoopProducts& p : runs) squares += std::pow(p.error - bias * p.norm, 2);
-    return {bias, std::sqrt(squares) / std::abs(norm)};
+    return {bias, std::sqrt(squares * n / (n - 1)) / std::abs(norm)};
 }
 
 }  // namespace burnish

@@ -6,6 +6,8 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "core/parallel.h"
 #include "ledger_entries.h"
 #include "optimize/small_problem.h"
@@ -55,6 +57,14 @@ double at_most_p_value(const Products& runs, double factor, double sign) {
 /// p-value of "the bias is at most kMaxBias, up or down".
 double p_value(const Products& runs) {
     return std::min(at_most_p_value(runs, kMaxBias, 1), at_most_p_value(runs, kMaxBias, -1));
+}
+
+// Where all norms are the same the bias is a mean, and its error that of one.
+TEST(ClosedLoop, TheErrorOfABiasIsThatOfAMean) {
+    const Products runs{{1, 2}, {3, 2}, {8, 2}};  // deviations -3, -1, 4; variance 26 / 2
+    const LoopBias bias = bias_of(runs);
+    EXPECT_DOUBLE_EQ(bias.bias, 2);
+    EXPECT_DOUBLE_EQ(bias.standard_error, std::sqrt(13.0 / 3) / 2);
 }
 
 TEST(ClosedLoop, BiasOfThePathCacheIsBoundedAtTheDefaultRate) {
