@@ -34,10 +34,6 @@ def reasons(error):
     return "; ".join(messages)
 
 
-def read_image(path):
-    return np.array(mi.Bitmap(str(path)).convert(mi.Bitmap.PixelFormat.RGB, mi.Struct.Type.Float32))
-
-
 def peak_memory():
     """GB, so far."""
     return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024**2
@@ -176,7 +172,7 @@ class Worker:
     def optimise(self, spp, spp_grad, rate, moments, target, folder):
         """A run; seconds of iterations, JIT compilation apart. Writes the texture at each moment: the first at or
         after it."""
-        self.target = mi.TensorXf(read_image(target))
+        self.target = mi.TensorXf(mitsuba_scene.read_image(target))
         key = (spp, spp_grad, rate)
         if key not in self.runs:
             run = OptimisationRun(self, spp, spp_grad, rate, self.frozen)
@@ -197,7 +193,7 @@ class Worker:
         pixel that take no longer than `seconds`, at least one."""
         self.params[self.parameter] = mi.TensorXf(mitsuba_scene.read_image(texture))
         self.params.update()
-        self.adjoint = mi.TensorXf(read_image(adjoint))
+        self.adjoint = mi.TensorXf(mitsuba_scene.read_image(adjoint))
 
         def take(spp):
             return timed(lambda: self.derivative("detached", spp))

@@ -14,12 +14,11 @@ Burnish is built into build/bench.
 import argparse
 import json
 import statistics
-import subprocess
 import sys
 from pathlib import Path
 
 from benchmarks import ORDER, commit, is_clean, machine_and_date, table
-from compare_sides import BUILD, build
+from compare_sides import BUILD, build, call
 from held_out import GROUPS
 from mitsuba_python import ROOT
 
@@ -38,13 +37,6 @@ def arguments_of():
     return parser.parse_args()
 
 
-def output_of(*command):
-    done = subprocess.run([str(c) for c in command], capture_output=True, text=True)
-    if done.returncode:
-        sys.exit(f"recovered: {' '.join(map(str, command))}\n{done.stderr}")
-    return done.stdout
-
-
 def parameters_of(capture, inputs):
     """Those of the capture, or others of its material."""
     own, = json.loads((capture.parent / "made.json").read_text())["parameters"]
@@ -56,13 +48,13 @@ def search_of(programs, capture, parameters):
     """What the start is and what pictures resolve: both texture errors are those of the search's own test."""
     if len(parameters) > 1:
         return {}
-    return json.loads(output_of(programs / "bench" / "burnish_start_search", capture, *parameters, "--runs", "1"))
+    return json.loads(call(programs / "bench" / "burnish_start_search", capture, *parameters, "--runs", "1"))
 
 
 def judge(capture, parameters, textures, folder):
     """The number, and what was recovered."""
-    output_of(sys.executable, ROOT / "bench" / "held_out.py", capture, NUMBER, textures, "-o", folder,
-              *(f"--parameter={p}" for p in parameters))
+    call(sys.executable, ROOT / "bench" / "held_out.py", capture, NUMBER, textures, "-o", folder,
+         *(f"--parameter={p}" for p in parameters))
     return json.loads((folder / "held_out.json").read_text())["judged"]
 
 
@@ -75,8 +67,8 @@ def decibels(judged):
 def row(scene, capture, arguments, programs):
     folder = arguments.output / scene
     parameters = parameters_of(capture, arguments.inputs)
-    output_of(programs / "burnish", "optimize", capture, *(f"--parameter={p}" for p in parameters),
-              "--time", arguments.seconds, "-o", folder, "--force")
+    call(programs / "burnish", "optimize", capture, *(f"--parameter={p}" for p in parameters),
+         "--time", arguments.seconds, "-o", folder, "--force")
     summary = json.loads((folder / "summary.json").read_text())["result"]
     before, after = judge(capture, parameters, folder / "textures", folder)
     search = search_of(programs, capture, parameters)
