@@ -6,6 +6,7 @@
 #   headers_test.sh COMPILER INCLUDE_FOLDER             the test
 #   headers_test.sh COMPILER INCLUDE_FOLDER --self-test headers that break each rule, which it must reject
 set -euo pipefail
+export LC_ALL=C  # numbers with a point, of awk and of TIMEFORMAT
 
 compiler=$1 include=$2 repeats=5
 tree=$(mktemp -d)

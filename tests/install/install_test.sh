@@ -4,6 +4,7 @@
 #
 #   install_test.sh CMAKE BUILD SOURCE COMPILER [CXXFLAGS]
 set -euo pipefail
+export LC_ALL=C  # numbers with a point, of awk and of TIMEFORMAT
 
 fail() { echo "install_test: $1" >&2; exit 1; }
 
