@@ -6,6 +6,8 @@
 #include <cmath>
 #include <fstream>
 #include <limits>
+#include <set>
+#include <vector>
 
 #include "burnish/error.h"
 #include "cli/program.h"
@@ -133,13 +135,33 @@ TEST_F(KeptResultsTest, MadeOfOtherThingsAreNotTaken) {
 }
 
 TEST_F(KeptResultsTest, EveryOptionMakesOtherThings) {
-    const nlohmann::json own = ReproduceOptions{};
-    ReproduceOptions other;
-    other.budget.seconds += 1;
-    EXPECT_NE(nlohmann::json(other), own);
-    other = {};
-    other.runs += 1;
-    EXPECT_NE(nlohmann::json(other), own);
+    using O = ReproduceOptions;
+    const std::vector<void (*)(O&)> changes{
+        [](O& o) { o.width += 1; },
+        [](O& o) { o.height += 1; },
+        [](O& o) { o.texture_side += 1; },
+        [](O& o) { o.image_samples += 1; },
+        [](O& o) { o.image_window += 1; },
+        [](O& o) { o.target_samples += 1; },
+        [](O& o) { o.reference_samples += 1; },
+        [](O& o) { o.evaluation_samples += 1; },
+        [](O& o) { o.iterations += 1; },
+        [](O& o) { o.budget.iterations += 1; },
+        [](O& o) { o.budget.long_iterations += 1; },
+        [](O& o) { o.budget.derivative_seconds += 1; },
+        [](O& o) { o.budget.seconds += 1; },
+        [](O& o) { o.sweep_seconds += 1; },
+        [](O& o) { o.max_samples += 1; },
+        [](O& o) { o.seed += 1; },
+        [](O& o) { o.runs += 1; },
+    };
+    std::set<std::string> keys{nlohmann::json(O{}).dump()};
+    for (std::size_t i = 0; i < changes.size(); ++i) {
+        O other;
+        changes[i](other);
+        EXPECT_TRUE(keys.insert(nlohmann::json(other).dump()).second) << "change " << i;
+    }
+    EXPECT_EQ(changes.size(), nlohmann::json(O{}).size()) << "an option is not tested";
 }
 
 TEST_F(KeptResultsTest, FilesOfASceneCountByTheirBytes) {
