@@ -93,28 +93,3 @@ def test_messages_longer_than_a_part_arrive(monkeypatch):
 
     monkeypatch.setattr(burnish.mpi, "_MAX_PART", 3)
     assert b"".join(burnish.mpi._parts(b"0123456789")) == b"0123456789"
-
-
-@pytest.mark.parametrize("ranks, error, text", [
-    (burnish.Ranks(2, 2, lambda m: m), burnish.InputError, "process 2 of 2"),
-    (burnish.Ranks(0, 0, lambda m: m), burnish.InputError, "process 0 of 0"),
-    (burnish.Ranks(0, 1, 3), TypeError, "expected a function"),
-    (3, TypeError, "expected a burnish.Ranks"),
-])
-def test_what_is_no_rank_is_refused(renderer, target, ranks, error, text):
-    with pytest.raises(error, match=text):
-        burnish.Problem(renderer, target, NAME, ranks=ranks)
-
-
-@pytest.mark.parametrize("answer", [None, [b""], [b"", "text"], (b"", b"")])
-def test_an_exchange_that_returns_something_else_is_said(renderer, target, answer):
-    problem = burnish.Problem(renderer, [target, target], burnish.Unknown(NAME, start=0.5), ranks=burnish.Ranks(0, 2, lambda m: answer))
-    with pytest.raises(TypeError, match="Ranks.exchange returned"):
-        burnish.solve(problem, batch=2, iterations=1)
-
-
-def test_an_exchange_that_loses_what_was_sent_is_said(renderer, target):
-    ranks = burnish.Ranks(0, 2, lambda messages: [b""] * len(messages))
-    problem = burnish.Problem(renderer, [target, target], burnish.Unknown(NAME, start=0.5), ranks=ranks)
-    with pytest.raises(burnish.Error, match="an exchange gave an empty message"):
-        burnish.solve(problem, batch=2, iterations=1)
