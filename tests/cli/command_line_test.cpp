@@ -67,6 +67,47 @@ TEST_F(CommandLine, RenderTakesSizesDefinitionsAndTextures) {
     EXPECT_EQ(read_image(folder / "i.exr").width, 40);
 }
 
+/// The panel fills the middle of the picture, nothing its corners.
+TEST_F(CommandLine, RenderWritesTheChannelsOfTheFilm) {
+    write_scene();
+    const std::string scene = read_text(folder / "scene.xml");
+    const auto render = [&](const std::string& format, const std::string& file) {
+        std::string other = scene;
+        other.insert(other.find("<rfilter"),
+                     "<string name=\"pixel_format\" value=\"" + format + "\"/>");
+        write_text(folder / "format.xml", other);
+        const Outcome outcome = run("render format.xml -o " + file);
+        EXPECT_EQ(outcome.code, 0) << outcome.err;
+        EXPECT_EQ(contains(outcome.err, "note: PFM has no alpha, the film's is left out"),
+                  file.ends_with(".pfm") && (format == "rgba" || format == "luminance_alpha"))
+            << format << ": " << outcome.err;
+        return read_image_file(folder / file);
+    };
+    for (const std::string extension : {".exr", ".png", ".pfm"}) {
+        Rgbf colour{};
+        for (const std::string format : {"rgb", "rgba", "luminance", "luminance_alpha"}) {
+            const ImageFile file = render(format, "i" + extension);
+            const bool is_gray = format.starts_with("luminance");
+            ASSERT_EQ(file.image.channels, is_gray ? 1 : 3) << format << extension;
+            const auto middle = [&](int channel) {
+                const float v = file.image.at(12, 12, channel);
+                return extension == ".png" ? srgb_to_linear(v) : v;
+            };
+            if (format == "rgb") colour = {middle(0), middle(1), middle(2)};
+            EXPECT_NEAR(middle(0), is_gray ? luminance(colour) : colour.x, 0.005f)
+                << format << extension;
+            EXPECT_GT(luminance(colour), 0.05f);
+            if (extension == ".pfm" || format == "rgb" || format == "luminance") {
+                EXPECT_EQ(file.alpha.width, 0) << format << extension;
+                continue;
+            }
+            ASSERT_EQ(file.alpha.width, 24) << format << extension;
+            EXPECT_EQ(file.alpha.at(12, 12, 0), 1) << format << extension;
+            EXPECT_EQ(file.alpha.at(0, 0, 0), 0) << format << extension;
+        }
+    }
+}
+
 TEST_F(CommandLine, IntegerTexturesAreDecodedUnlessTheSceneSaysRaw) {
     write_scene();
     write_image(folder / "half.png", make_image(8, 8, 1, 0.5f), false);  // the code 128
