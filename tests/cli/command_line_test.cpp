@@ -892,18 +892,11 @@ TEST_F(CommandLine, TheReferencePageIsThatOfTheTable) {
         << "write it with: burnish options --markdown > docs/reference/options.md";
 }
 
-/// Every result of a run that does not hold a time.
+/// All results of a run that do not hold a time.
 void expect_same_results(const fs::path& a, const fs::path& b) {
-    std::size_t files = 0;
-    for (const auto& entry : fs::recursive_directory_iterator(a)) {
-        const auto extension = entry.path().extension();
-        if (extension != ".exr" && extension != ".png") continue;
-        ++files;
-        const fs::path name = entry.path().lexically_relative(a);
-        EXPECT_EQ(read_text(entry.path()), read_text(b / name)) << name;
-    }
-    EXPECT_GE(files, 5u);
+    EXPECT_GE(expect_same_files(a, b), 5u);
     const auto x = summary_in(a), y = summary_in(b);
+    EXPECT_EQ(x["settings"], y["settings"]);
     for (const char* run : {"result", "compared"}) {
         if (!x.contains(run)) continue;
         for (const char* key : {"iterations", "initial_loss", "final_loss", "noise_floor"})
@@ -936,8 +929,59 @@ TEST_F(CommandLine, SettingsRepeatTheRun) {
         const Outcome again = run("optimize --options first/summary.json --force -o second");
         ASSERT_EQ(again.code, 0) << again.err;
         expect_same_results(folder / "first", folder / "second");
-        EXPECT_EQ(summary_of("first")["settings"], summary_of("second")["settings"]);
     }
+}
+
+TEST_F(CommandLine, SettingsRepeatTheRunOfSeveralViews) {
+    write_scene();
+    std::string scene = read_text(folder / "scene.xml");
+    const std::size_t begin = scene.find("<sensor"),
+                      end = scene.find("</sensor>") + std::string_view("</sensor>").size();
+    std::string side = scene.substr(begin, end - begin);
+    side.replace(side.find("origin=\"0,0,3\""), 14, "origin=\"1,0,3\"");
+    write_text(folder / "views.xml", scene.insert(end, side));
+    const Outcome first =
+        run("optimize views.xml --parameter base_color --init 0.5 --iterations 3 --spp 2 "
+            "--target-spp 16 --evaluation-spp 4 --sensor 0 --sensor 1 --hold-out 1 --scale 0.5 "
+            "--ignore-background -o first");
+    ASSERT_EQ(first.code, 0) << first.err;
+    const auto json = summary_of("first");
+    EXPECT_EQ(json["views"].size(), 2u);
+    const auto& problem = json["settings"]["problem"];
+    EXPECT_EQ(problem["sensors"], nlohmann::json::parse(R"(["0", "1"])"));
+    EXPECT_EQ(problem["held_out"], nlohmann::json::parse(R"(["1"])"));
+    EXPECT_EQ(problem["scale"], 0.5);
+    EXPECT_EQ(problem["ignore_background"], true);
+    const Outcome again = run("optimize --options first/summary.json -o second");
+    ASSERT_EQ(again.code, 0) << again.err;
+    expect_same_results(folder / "first", folder / "second");
+}
+
+TEST_F(CommandLine, EveryCommandGoesOnWithoutWhatIsNotSupported) {
+    write_scene();
+    std::string scene = read_text(folder / "scene.xml");
+    scene.insert(scene.find("</scene>"), "<shape type=\"bsplinecurve\"/>");
+    write_text(folder / "curve.xml", scene);
+    write_image(folder / "ones.exr", make_image(24, 24, 3, 1.0f));
+    const std::string cases[] = {
+        "info curve.xml", "render curve.xml --spp 1 -o a.exr",
+        "gradient curve.xml --parameter base_color --adjoint ones.exr --spp 1 -o g.exr",
+        "check-gradient curve.xml --parameter base_color --spp 32",
+        "optimize curve.xml --parameter base_color --init 0.5 --iterations 1 --spp 1 "
+        "--target-spp 1 --evaluation-spp 2 -o out"};
+    const std::string what = "shape \"bsplinecurve\" is not supported yet";
+    for (const std::string& command : cases) {
+        expect_refused(command, 65, what);
+        const Outcome done = run(command + " --ignore-unsupported");
+        EXPECT_EQ(done.code, 0) << command << ": " << done.err;
+        EXPECT_TRUE(contains(done.out + done.err, what)) << command << ": " << done.err;
+        EXPECT_TRUE(contains(done.out + done.err, ": left out, the scene goes on without it"))
+            << command << ": " << done.err;
+    }
+    const Outcome again = run("optimize --options out/summary.json -o again");
+    ASSERT_EQ(again.code, 0) << again.err;
+    EXPECT_TRUE(contains(again.err, what + ": ")) << again.err;
+    expect_same_results(folder / "out", folder / "again");
 }
 
 TEST_F(CommandLine, TheReportSpeaksOfWhatItShows) {
