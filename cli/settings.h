@@ -41,6 +41,8 @@ struct RunSettings {
     bool force = false;
     double checkpoint_seconds = 60;  ///< between two checkpoints
     std::string live;                ///< address of a viewer; empty: none
+
+    friend bool operator==(const RunSettings&, const RunSettings&) = default;
 };
 
 /// What RunSettings::exposure says: of all views that do not come from a capture. None: neither

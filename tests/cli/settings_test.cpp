@@ -19,15 +19,20 @@
 namespace burnish {
 namespace {
 
-/// What the program makes of arguments.
-Settings parse(std::vector<std::string> arguments) {
-    arguments.insert(arguments.end(), {"scene.xml", "--parameter", "a", "-o", "out"});
+/// What the program makes of a whole line.
+Settings parse_line(std::vector<std::string> arguments) {
     CLI::App app;
     OptimizeArguments parsed;
     add_optimize_options(app, parsed);
     std::reverse(arguments.begin(), arguments.end());
     app.parse(arguments);
     return make_settings(parsed);
+}
+
+/// What the program makes of arguments.
+Settings parse(std::vector<std::string> arguments) {
+    arguments.insert(arguments.end(), {"scene.xml", "--parameter", "a", "-o", "out"});
+    return parse_line(std::move(arguments));
 }
 
 template <class E>
@@ -103,6 +108,113 @@ std::vector<Case> cases() {
     };
 }
 
+/// An option of the run, values that are not its default, what it needs, and the same in C++.
+struct RunCase {
+    std::string name;
+    std::vector<std::string> values;
+    void (*set)(RunSettings&);
+    std::vector<std::string> before = {};
+};
+
+std::vector<RunCase> run_cases() {
+    using R = RunSettings;
+    using Texts = std::vector<std::string>;
+    const Texts two_parameters{"--parameter", "b"}, views{"--views", "transforms.json"},
+        compare{"--compare", "mc"};
+    return {
+        {"scene.file", {"a.xml"}, [](R& r) { r.scene = "a.xml"; }},
+        {"scene.definitions",
+         {"light=12", "x=a b"},
+         [](R& r) {
+             r.definitions = {"light=12", "x=a b"};
+         }},
+        {"scene.size",
+         {"40", "30"},
+         [](R& r) {
+             r.size = {40, 30};
+         }},
+        {"scene.ignore_unsupported", {"true"}, [](R& r) { r.ignore_unsupported = true; }},
+        {"scene.light_selection",
+         {"tree"},
+         [](R& r) { r.light_selection = LightSelection::kTree; }},
+        {"problem.parameters",
+         {"b@0.2", "c:8"},
+         [](R& r) {
+             r.parameters = {"b@0.2", "c:8"};
+         }},
+        {"problem.target",
+         {"t.exr", "u.exr"},
+         [](R& r) {
+             r.targets = {"t.exr", "u.exr"};
+         }},
+        {"problem.sensors",
+         {"0", "1"},
+         [](R& r) {
+             r.sensors = {"0", "1"};
+         }},
+        {"problem.views", {"transforms.json"}, [](R& r) { r.views = "transforms.json"; }},
+        {"problem.images", {"pictures"}, [](R& r) { r.images = "pictures"; }, views},
+        {"problem.target_samples", {"8"}, [](R& r) { r.target_samples = 8; }},
+        {"problem.mask", {"m.png"}, [](R& r) { r.mask = "m.png"; }},
+        {"problem.ignore_background", {"true"}, [](R& r) { r.ignore_background = true; }},
+        {"problem.held_out",
+         {"x", "y"},
+         [](R& r) {
+             r.held_out = {"x", "y"};
+         }},
+        {"problem.exposure", {"fit_rgb"}, [](R& r) { r.exposure = "fit_rgb"; }},
+        {"problem.scale", {"0.3"}, [](R& r) { r.scale = 0.3; }},
+        {"problem.initial_values",
+         {"0.25", "scene"},
+         [](R& r) {
+             r.starts = {"0.25", "scene"};
+         },
+         two_parameters},
+        {"problem.learning_rates",
+         {"0.1", "0.02"},
+         [](R& r) {
+             r.learning_rates = {0.1, 0.02};
+         },
+         two_parameters},
+        {"run.compare", {"mc"}, [](R& r) { r.compare = MonteCarlo{}; }},
+        {"run.compare_iterations", {"4"}, [](R& r) { r.compare_iterations = 4; }, compare},
+        {"run.max_memory", {"2.5"}, [](R& r) { r.max_memory = 2.5; }},
+        {"run.threads", {"3"}, [](R& r) { r.threads = 3; }},
+        {"run.output", {"elsewhere"}, [](R& r) { r.output = "elsewhere"; }},
+        {"run.force", {"true"}, [](R& r) { r.force = true; }},
+        {"run.checkpoint_seconds", {"7.5"}, [](R& r) { r.checkpoint_seconds = 7.5; }},
+        {"run.live", {"127.0.0.1:9"}, [](R& r) { r.live = "127.0.0.1:9"; }},
+    };
+}
+
+const RunRow& run_row(const std::string& name) {
+    return *std::ranges::find(run_table(), name, [](const RunRow& r) { return r.info.name; });
+}
+
+RunSettings in_cpp(const RunCase& c) {
+    RunSettings run = parse(c.before).run;
+    c.set(run);
+    return run;
+}
+
+/// The arguments with what the case needs, and with what every run needs that they do not give.
+Settings parse(const RunCase& c, std::vector<std::string> arguments) {
+    arguments.insert(arguments.begin(), c.before.begin(), c.before.end());
+    if (c.name != "scene.file") arguments.push_back("scene.xml");
+    if (c.name != "problem.parameters") arguments.insert(arguments.end(), {"--parameter", "a"});
+    if (c.name != "run.output") arguments.insert(arguments.end(), {"-o", "out"});
+    return parse_line(std::move(arguments));
+}
+
+std::vector<std::string> sets_of(const RunCase& c) {
+    if (find_setting(c.name).is_pair)
+        return {"--set", c.name + "=" + c.values[0] + "," + c.values[1]};
+    std::vector<std::string> sets;
+    for (const std::string& value : c.values)
+        sets.insert(sets.end(), {"--set", c.name + "=" + value});
+    return sets;
+}
+
 Options in_cpp(const Case& c) {
     Options options;
     options.estimator = c.estimator;
@@ -120,6 +232,10 @@ TEST(Settings, EveryOptionIsTested) {
     std::set<std::string> tested, all;
     for (const Case& c : cases()) tested.insert(c.name);
     for (const OptionRow& row : option_table()) all.insert(row.info.name);
+    EXPECT_EQ(tested, all);
+    tested.clear(), all.clear();
+    for (const RunCase& c : run_cases()) tested.insert(c.name);
+    for (const RunRow& row : run_table()) all.insert(row.info.name);
     EXPECT_EQ(tested, all);
 }
 
@@ -142,6 +258,30 @@ TEST(Settings, FlagsDoWhatTheApiDoes) {
         EXPECT_EQ(parse(with(c.before, {flag, c.value})).options, in_cpp(c)) << flag;
     }
     EXPECT_EQ(flags, 12u);
+}
+
+TEST(Settings, SetTakesWhatARunTakes) {
+    for (const RunCase& c : run_cases()) {
+        EXPECT_EQ(parse(c, sets_of(c)).run, in_cpp(c)) << c.name;
+        EXPECT_NE(in_cpp(c), parse(c.before).run) << c.name << " changes nothing";
+    }
+}
+
+TEST(Settings, FlagsTakeWhatARunTakes) {
+    std::size_t flags = 0;
+    for (const RunCase& c : run_cases()) {
+        const Setting& setting = find_setting(c.name);
+        const std::string names = setting.info.flag, flag = names.substr(names.rfind(',') + 1);
+        if (flag.empty()) continue;
+        ++flags;
+        std::vector<std::string> arguments;
+        for (const std::string& value : c.values) {
+            if (arguments.empty() || setting.is_list) arguments.push_back(flag);
+            if (!setting.is_flag) arguments.push_back(value);
+        }
+        EXPECT_EQ(parse(c, arguments).run, in_cpp(c)) << flag;
+    }
+    EXPECT_EQ(flags, 23u);
 }
 
 TEST(Settings, ValuesSurviveTheirText) {
@@ -179,6 +319,18 @@ TEST_F(OptionsFile, JsonRoundTripsEveryOption) {
             parse(with(c.before, {"--set", std::string(c.name) + "=" + c.value}));
         write(settings_json(settings).dump());
         EXPECT_EQ(parse({"--options", file}).options, in_cpp(c)) << c.name;
+    }
+}
+
+TEST_F(OptionsFile, JsonRoundTripsWhatRepeatsARun) {
+    for (const RunCase& c : run_cases()) {
+        const nlohmann::json json = settings_json(parse(c, sets_of(c)));
+        const std::size_t dot = c.name.find('.');
+        const bool recorded = json[c.name.substr(0, dot)].contains(c.name.substr(dot + 1));
+        EXPECT_EQ(recorded, run_row(c.name).recorded) << c.name << json;
+        if (!recorded) continue;
+        write(json.dump());
+        EXPECT_EQ(parse_line({"--options", file, "-o", "out"}).run, in_cpp(c)) << c.name;
     }
 }
 
