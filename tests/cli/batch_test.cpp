@@ -60,10 +60,7 @@ std::string Batch::stop(pid_t batch) const {
 void Batch::stop_at_a_checkpoint() const {
     const std::vector<fs::path> before = checkpoints();
     const auto has_new = [&] { return !std::ranges::includes(before, checkpoints()); };
-    const pid_t pid = start("batch jobs.json");
-    EXPECT_TRUE(wait_for(has_new));
-    kill(pid, SIGTERM);
-    const int status = end_of(pid);
+    const int status = stop_once(has_new, "batch jobs.json", "out/stopped", SIGTERM);
     ASSERT_TRUE(WIFEXITED(status) && WEXITSTATUS(status) == 75) << read_text(folder / ".err");
 }
 

@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <cctype>
 #include <chrono>
+#include <csignal>
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
@@ -153,6 +154,30 @@ class Program : public ::testing::Test {
     }
     bool wait_for_error_text(const char* text) const {
         return wait_for([&] { return contains(read_text(folder / ".err"), text); });
+    }
+    /// Runs the program, sends it a signal once that holds, and returns the status that it ended
+    /// with. Where the run in the folder `out` was done before the signal came, which a busy
+    /// machine can bring about, what it wrote is undone and it begins again.
+    int stop_once(const std::function<bool()>& holds, const std::string& arguments,
+                  const std::string& out, int signal) const {
+        const fs::path results = folder / *fs::path(out).begin(), before = folder / ".before",
+                       summary = folder / out / "summary.json";
+        const auto replace = [](const fs::path& from, const fs::path& to) {
+            fs::remove_all(to);
+            if (fs::exists(from)) fs::copy(from, to, fs::copy_options::recursive);
+        };
+        replace(results, before);
+        for (int attempt = 0;; ++attempt) {
+            const pid_t pid = start(arguments);
+            EXPECT_TRUE(wait_for([&] { return holds() || fs::exists(summary); }))
+                << read_text(folder / ".err");
+            kill(pid, signal);
+            const int status = end_of(pid);
+            const bool done =
+                fs::exists(summary) && summary_of(out)["result"]["ended_by"] == "iterations";
+            if (!done || attempt == 20) return status;
+            replace(before, results);
+        }
     }
     nlohmann::json summary_of(const std::string& out) const { return summary_in(folder / out); }
     /// The file that a run keeps locked until its results are there.

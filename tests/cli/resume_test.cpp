@@ -36,24 +36,11 @@ class Resume : public Program {
         return newest;
     }
     /// Ends a run by a signal once it has so many checkpoints: the first comes after an iteration
-    /// or two, the next when the disk has rested. One that was done before the signal came, which a
-    /// busy machine can bring about, says nothing and is begun again.
+    /// or two, the next when the disk has rested.
     int stop(const std::string& arguments, const std::string& out, int signal,
              const std::string& checkpoints = "checkpoints", std::size_t count = 1) const {
-        for (int attempt = 0;; ++attempt) {
-            const pid_t pid = start(arguments);
-            const fs::path summary = folder / out / "summary.json";
-            EXPECT_TRUE(wait_for([&] {
-                return checkpoints_in(folder / out / checkpoints).size() >= count ||
-                       fs::exists(summary);
-            })) << read_text(folder / ".err");
-            kill(pid, signal);
-            const int status = end_of(pid);
-            const bool done =
-                fs::exists(summary) && summary_of(out)["result"]["ended_by"] == "iterations";
-            if (!done || attempt == 20) return status;
-            fs::remove_all(folder / out);
-        }
+        return stop_once([&] { return checkpoints_in(folder / out / checkpoints).size() >= count; },
+                         arguments, out, signal);
     }
     /// All files that depend on no time hold the same bytes.
     void expect_same(const std::string& a, const std::string& b) const {
