@@ -458,6 +458,14 @@ TEST_F(CommandLine, OptimizeSaysWhatThePictureSaysAboutATexture) {
         }
     EXPECT_GT(unseen, 0u);
     EXPECT_LT(unseen, 2 * coverage.values.size() / 3);
+    const auto& parameter = json["parameters"][0];
+    EXPECT_EQ(parameter["texels_unvisited"], unseen);
+    EXPECT_GE(parameter["texels_visited"], coverage.values.size() - unseen);
+    EXPECT_LT(parameter["texels_visited"], coverage.values.size());
+    const auto& error = json["result"]["texture_rmse"]["mat-panel.brdf_0.base_color.data"];
+    EXPECT_GT(error["final_weighted"], 0.0);
+    EXPECT_LT(error["final_weighted"], error["initial_weighted"]);
+    EXPECT_NE(error["final_weighted"], error["final"]) << "texels weigh alike";
 }
 
 TEST_F(CommandLine, OptimizeMatchesAnImage) {
@@ -681,6 +689,11 @@ TEST_F(CommandLine, WhatNoViewSeesIsRefusedAndWhatNoLightReachesIsSaid) {
     EXPECT_TRUE(contains(dark.err, "roughness.data error not known -> not known")) << dark.err;
     EXPECT_TRUE(contains(dark.err, "no light that a picture shows came from mat-panel"))
         << dark.err;
+    EXPECT_EQ(summary_of("out")["parameters"][0]["texels_visited"], 0);
+    const auto errors = summary_of("out")["result"]["texture_rmse"];
+    ASSERT_EQ(errors.size(), 1u);
+    for (const char* error : {"initial", "final", "initial_weighted", "final_weighted"})
+        EXPECT_TRUE(errors.front().at(error).is_null()) << error;
     EXPECT_FALSE(contains(read_text(folder / "out/report.html"), "nan"));
 }
 

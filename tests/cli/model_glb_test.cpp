@@ -593,6 +593,7 @@ TEST_F(Deliverables, TheSummaryNamesThemAndASecondRunReplacesThem) {
     const Json summary = summary_of("out");
     EXPECT_EQ(summary["deliverables"]["scene"], "scene/scene.xml");
     EXPECT_EQ(summary["deliverables"]["model"], "model.glb");
+    EXPECT_EQ(summary["deliverables"]["blender_script"], "import_into_blender.py");
     const auto files = summary["files"].get<std::set<std::string>>();
     for (const char* file :
          {"scene/scene.xml", "scene/color.exr", "model.glb",

@@ -61,6 +61,7 @@ TEST_F(Mpi, AnyNumberOfProcessesMakesTheBytesOfTheProgram) {
         const auto said = summary_of(out)["processes"];
         EXPECT_EQ(said["count"], count);
         EXPECT_GT(said["sent_bytes"], 0);
+        EXPECT_GT(said["exchange_seconds"], 0.0);
     }
 }
 
