@@ -16,6 +16,7 @@
 #include "ledger_entries.h"
 #include "shading/principled.h"
 #include "sphere_integral.h"
+#include "student.h"
 
 namespace burnish::test {
 namespace {
@@ -88,15 +89,8 @@ RunningMean albedo(const PrincipledParameters<double>& p, const Direction& wi, s
     return mean;
 }
 
-/// p-value of "the expectation is at most `bound`", up to the rounding of a sum in double.
-double at_most_p_value(const RunningMean& m, double bound) {
-    const double excess = m.mean - bound - 1e-9;
-    if (m.standard_error() == 0) return excess > 0 ? 0 : 1;
-    return 0.5 * std::erfc(excess / (m.standard_error() * std::sqrt(2.0)));
-}
-double at_least_p_value(const RunningMean& m, double bound) {
-    return at_most_p_value({m.count, -m.mean, m.squares, -m.cubes}, -bound);
-}
+/// Of a sum in double.
+constexpr double kRounding = 1e-9;
 
 /// All directions of a material together.
 struct PValues {
@@ -109,11 +103,12 @@ PValues p_values(const Material& material, double roughness, std::uint32_t seed,
     PValues result;
     for (const bool front : {true, false})
         for (const double degrees : kDegrees) {
-            const RunningMean m = albedo(p, direction(degrees, front), seed++, energy_of);
-            result.at_most_all.push_back(at_most_p_value(m, 1));
+            const MeanEstimate m =
+                estimate_of(albedo(p, direction(degrees, front), seed++, energy_of));
+            result.at_most_all.push_back(not_above_p_value(m, {1 + kRounding, 0}));
             // Metal is black on the back.
             if (roughness <= kSmooth && degrees <= 50 && (front || material.metallic == 0))
-                result.nearly_all.push_back(at_least_p_value(m, 1 - kSmoothLoss));
+                result.nearly_all.push_back(not_above_p_value({1 - kSmoothLoss, 0}, m));
         }
     return result;
 }
