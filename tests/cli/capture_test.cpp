@@ -7,11 +7,11 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 
-#include "burnish/error.h"
 #include "burnish/renderer.h"
 #include "cli/console.h"
 #include "cli/html.h"
 #include "cli/program.h"
+#include "error_of.h"
 
 namespace burnish {
 namespace {
@@ -26,12 +26,7 @@ struct CaptureTest : Program {
         return read_capture(file.string());
     }
     std::string complaint(const std::string& text) const {
-        try {
-            read(text);
-        } catch (const InputError& e) {
-            return e.what();
-        }
-        return "";
+        return test::error_of([&] { read(text); });
     }
     /// A capture of one view with these keys besides its camera.
     static std::string with_keys(const std::string& keys) {

@@ -14,6 +14,7 @@
 #include "cli/mesh_check.h"
 #include "cli/mesh_file.h"
 #include "cli/program.h"
+#include "error_of.h"
 #include "mitsuba/load.h"
 #include "mitsuba/mesh.h"
 
@@ -175,12 +176,7 @@ struct NewSceneTest : Program {
         write_text(glb, Gltf().bytes());
     }
     std::string complaint(const fs::path& file) const {
-        try {
-            read_mesh(file);
-        } catch (const InputError& e) {
-            return e.what();
-        }
-        return "";
+        return test::error_of([&] { read_mesh(file); });
     }
     std::string complaint(const Document& document,
                           const std::string& data = Gltf().data.bytes) const {

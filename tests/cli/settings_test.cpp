@@ -15,6 +15,7 @@
 #include "cli/commands.h"
 #include "cli/optimize_options.h"
 #include "cli/options_file.h"
+#include "error_of.h"
 
 namespace burnish {
 namespace {
@@ -439,12 +440,7 @@ TEST_F(OptionsFile, BadFilesAreNamed) {
 
 /// The message of the UsageError that the arguments cause.
 std::string usage_error(const std::vector<std::string>& arguments) {
-    try {
-        parse(arguments);
-    } catch (const UsageError& error) {
-        return error.what();
-    }
-    return "";
+    return test::error_of<UsageError>([&] { parse(arguments); });
 }
 
 TEST(Settings, AFlagAndSetDoNotGiveOneOption) {

@@ -9,6 +9,7 @@
 #include "cli/program.h"
 #include "core/random.h"
 #include "csv.h"
+#include "error_of.h"
 
 namespace burnish {
 namespace {
@@ -26,12 +27,7 @@ struct Colmap : Program {
         fs::copy(kData / form, model);
     }
     std::string complaint() const {
-        try {
-            EXPECT_FALSE(read_colmap(model.string(), "photos").empty());
-        } catch (const InputError& e) {
-            return e.what();
-        }
-        return "";
+        return test::error_of([&] { EXPECT_FALSE(read_colmap(model.string(), "photos").empty()); });
     }
 };
 

@@ -11,6 +11,7 @@
 #include "captures/pictures.h"
 #include "cli/program.h"
 #include "core/random.h"
+#include "error_of.h"
 
 namespace burnish {
 namespace {
@@ -27,12 +28,7 @@ struct Transforms : Program {
         return read_transforms(file.string(), images);
     }
     std::string complaint(const std::string& text) const {
-        try {
-            EXPECT_FALSE(read(text).empty());
-        } catch (const InputError& e) {
-            return e.what();
-        }
-        return "";
+        return test::error_of([&] { EXPECT_FALSE(read(text).empty()); });
     }
 };
 

@@ -8,6 +8,7 @@
 
 #include "burnish/error.h"
 #include "core/random.h"
+#include "error_of.h"
 #include "image/files.h"
 #include "image/folder_of_files.h"
 #include "image/image.h"
@@ -25,13 +26,10 @@ struct Sample {
 struct DamagedImages : FolderOfFiles {
     /// The message; empty where it loads.
     std::string error_of(const std::string& bytes) const {
-        try {
+        return test::error_of([&] {
             const ImageFile file = read_image_file(write("image", bytes));
             EXPECT_EQ(file.image.values.size(), file.image.index(0, file.image.height));
-        } catch (const InputError& error) {
-            return error.what();
-        }
-        return {};
+        });
     }
     std::vector<Sample> samples() const {
         const Image image = smooth_image(20, 14, 3);

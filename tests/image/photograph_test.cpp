@@ -8,6 +8,7 @@
 
 #include "burnish/error.h"
 #include "core/random.h"
+#include "error_of.h"
 #include "image/folder_of_files.h"
 #include "image/image.h"
 #include "image/test_files.h"
@@ -19,12 +20,7 @@ using namespace test_files;
 
 struct Photographs : FolderOfFiles {
     static std::string message(const std::string& file, const Encoding& encoding = {}) {
-        try {
-            read_photograph(file, encoding);
-        } catch (const InputError& e) {
-            return e.what();
-        }
-        return "";
+        return test::error_of([&] { read_photograph(file, encoding); });
     }
 };
 

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "burnish/error.h"
+#include "error_of.h"
 #include "mitsuba/temporary_scene.h"
 #include "scene/constants.h"
 
@@ -202,13 +203,8 @@ TEST(InterfaceScenes, ConstantsBecomeTextures) {
 
 TEST(InterfaceScenes, BadOnesAreRefusedWithTheirPlace) {
     const TemporaryFolder folder;
-    const auto complaint = [&](const std::string& bsdf) -> std::string {
-        try {
-            load_interface(folder, "\n" + bsdf);
-        } catch (const InputError& error) {
-            return error.what();
-        }
-        return "none";
+    const auto complaint = [&](const std::string& bsdf) {
+        return test::error_of([&] { load_interface(folder, "\n" + bsdf); });
     };
     const auto expect = [&](const std::string& bsdf, const std::string& words) {
         const std::string text = complaint(bsdf);

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cstring>
 
+#include "error_of.h"
 #include "mitsuba/ply.h"
 #include "mitsuba/serialized.h"
 #include "mitsuba/temporary_scene.h"
@@ -26,12 +27,7 @@ LoadedScene load_quietly(const TemporaryFolder& folder, const std::string& text)
 
 /// What is said of an unknown that the scene cannot have; empty: it can.
 std::string refusal_of(Scene& scene, const std::string& parameter) {
-    try {
-        require_parameter(scene, parameter);
-    } catch (const InputError& error) {
-        return error.what();
-    }
-    return {};
+    return test::error_of([&] { require_parameter(scene, parameter); });
 }
 
 TEST(Kinds, BeamsAndDirections) {
@@ -426,12 +422,8 @@ TEST(Kinds, SerializedMeshes) {
 
 std::string serialized_error(const TemporaryFolder& folder, const std::string& bytes,
                              std::size_t index = 0) {
-    try {
-        mitsuba::read_serialized(write_text(folder, "b.serialized", bytes), index);
-    } catch (const InputError& error) {
-        return error.what();
-    }
-    return {};
+    return test::error_of(
+        [&] { mitsuba::read_serialized(write_text(folder, "b.serialized", bytes), index); });
 }
 
 TEST(Kinds, DamagedSerializedMeshesGiveASentence) {

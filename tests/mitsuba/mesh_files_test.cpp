@@ -5,6 +5,7 @@
 #include <cstring>
 
 #include "core/random.h"
+#include "error_of.h"
 #include "mitsuba/mesh.h"
 #include "mitsuba/obj.h"
 #include "mitsuba/ply.h"
@@ -80,14 +81,11 @@ Mesh read_obj(const std::filesystem::path& file) { return read_obj_file(file).me
 
 template <class Read>
 std::string message_of(Read read, const std::filesystem::path& file) {
-    try {
+    return test::error_of([&] {
         const Mesh mesh = read(file);
         for (const Triangle& t : mesh.triangles)
             for (const std::uint32_t v : t.vertex) EXPECT_LT(v, mesh.positions.size());
-    } catch (const InputError& error) {
-        return error.what();
-    }
-    return {};
+    });
 }
 
 TEST(Ply, BinaryOfEitherByteOrderWithExtraProperties) {

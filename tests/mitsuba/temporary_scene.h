@@ -9,7 +9,7 @@
 #include <fstream>
 #include <string>
 
-#include "burnish/error.h"
+#include "error_of.h"
 #include "mitsuba/load.h"
 
 namespace burnish {
@@ -58,12 +58,7 @@ inline LoadedScene load_text(const TemporaryFolder& folder, const std::string& c
 
 /// What load_scene says about a broken scene; empty where it loads.
 inline std::string error_of(const std::filesystem::path& file, const LoadOptions& options = {}) {
-    try {
-        load_scene(file, options);
-    } catch (const InputError& error) {
-        return error.what();
-    }
-    return {};
+    return test::error_of([&] { load_scene(file, options); });
 }
 
 }  // namespace burnish

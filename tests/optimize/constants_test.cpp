@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "burnish/error.h"
+#include "error_of.h"
 #include "optimize/estimators.h"
 #include "optimize/small_problem.h"
 #include "optimize/start_search.h"
@@ -31,12 +32,7 @@ Scene scene_with_constants(int side = 16) {
 }
 
 std::string complaint_of(const std::string& name, Scene scene = scene_with_constants()) {
-    try {
-        require_parameter(scene, name);
-    } catch (const InputError& e) {
-        return e.what();
-    }
-    return "";
+    return test::error_of([&] { require_parameter(scene, name); });
 }
 
 Problem problem_of_constants(Scene scene, const std::vector<std::string>& names, Start start) {

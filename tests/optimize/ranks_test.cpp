@@ -8,6 +8,7 @@
 
 #include "burnish/checkpoint.h"
 #include "burnish/error.h"
+#include "error_of.h"
 #include "optimize/checkpoint.h"
 #include "optimize/checkpoint_folder.h"
 #include "optimize/estimators.h"
@@ -239,13 +240,10 @@ TEST(Processes, MessagesThatWereNotSentAreRefused) {
                                            for (std::string& m : messages) m.assign(size, '\0');
                                            return messages;
                                        }});
-        try {
+        return test::error_of<Error>([&] {
             agree(ranks, 1.5);
             all_values(ranks, 1.5);
-        } catch (const Error& e) {
-            return e.what();
-        }
-        return "";
+        });
     };
     EXPECT_EQ(error(0), "an exchange gave an empty message, expected those that were sent");
     EXPECT_EQ(error(3), "an exchange gave a message of 2 bytes, expected 8");

@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "burnish/error.h"
+#include "error_of.h"
 #include "optimize/option_table.h"
 #include "optimize/small_problem.h"
 #include "optimize/state_cases.h"
@@ -223,19 +224,14 @@ TEST(Setup, RefusesEvaluationsOfTooFewOrFarTooManySamples) {
 
 /// Samples of delta lobes are no records, so their light would not follow the texture.
 TEST(Setup, RefusesUnknownsOfSmoothSurfaces) {
-    const auto complaint_of = [](const Bsdf& bsdf) -> std::string {
+    const auto complaint_of = [](const Bsdf& bsdf) {
         Scene scene = test::make_small_scene();
         scene.bsdfs[0] = bsdf;
         set_texture(scene.bsdfs[0], 0, {0});
         scene.parameters.resize(1);
-        try {
-            make_setup(test::problem_of(scene), Options{});
-        } catch (const InputError& error) {
-            return error.what();
-        }
-        return "none";
+        return test::error_of([&] { make_setup(test::problem_of(scene), Options{}); });
     };
-    EXPECT_EQ(complaint_of(RoughConductor{}), "none");
+    EXPECT_EQ(complaint_of(RoughConductor{}), "");
     for (const Bsdf& bsdf : {Bsdf(Conductor{}), Bsdf(Plastic{}), Bsdf(Dielectric{})})
         EXPECT_NE(complaint_of(bsdf).find("a smooth conductor, plastic or dielectric: expected"),
                   std::string::npos)

@@ -6,6 +6,7 @@
 #include <functional>
 
 #include "burnish/error.h"
+#include "error_of.h"
 #include "optimize/block_message.h"
 #include "optimize/iterate.h"
 #include "optimize/thread_ranks.h"
@@ -142,12 +143,7 @@ TEST(SharedPyramid, BlocksThatWereNotSentAreRefused) {
                               change(messages[1]);
                               return messages;
                           }};
-        try {
-            exchange_of(ranks).share_moved({{values, dirty}});
-        } catch (const Error& e) {
-            return e.what();
-        }
-        return "";
+        return test::error_of<Error>([&] { exchange_of(ranks).share_moved({{values, dirty}}); });
     };
     const auto blocks = [](std::uint64_t from, std::uint64_t to) {
         return [=](std::string& message) {

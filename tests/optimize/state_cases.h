@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "burnish/error.h"
+#include "error_of.h"
 #include "optimize/estimators.h"
 #include "optimize/small_problem.h"
 
@@ -31,17 +31,6 @@ inline std::vector<StateCase> state_cases() {
             cases.push_back({name + (texels ? ", texels" : ", pyramid"), options});
         }
     return cases;
-}
-
-/// What a function throws as InputError; empty where it throws nothing.
-template <class Body>
-std::string error_of(const Body& body) {
-    try {
-        body();
-    } catch (const InputError& e) {
-        return e.what();
-    }
-    return "";
 }
 
 inline Problem state_problem() { return problem_of(small_scene_of(24)); }

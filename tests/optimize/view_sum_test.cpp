@@ -8,6 +8,7 @@
 #include <random>
 
 #include "burnish/error.h"
+#include "error_of.h"
 #include "optimize/ranks.h"
 #include "optimize/thread_ranks.h"
 
@@ -115,12 +116,7 @@ TEST(ViewSumTest, MessagesThatWereNotSentAreRefused) {
                           }};
         ViewSum work;
         add_node(0, 1, gradient, work);
-        try {
-            sum_of_views(ranks, kShapes, work);
-        } catch (const Error& e) {
-            return e.what();
-        }
-        return "";
+        return test::error_of<Error>([&] { sum_of_views(ranks, kShapes, work); });
     };
     EXPECT_EQ(error([](Messages& m) { m[1].clear(); }), "");
     EXPECT_EQ(error([](Messages& m) {

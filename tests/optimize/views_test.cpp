@@ -13,6 +13,7 @@
 #include "burnish/error.h"
 #include "core/parallel.h"
 #include "core/transform.h"
+#include "error_of.h"
 #include "optimize/batch.h"
 #include "optimize/estimators.h"
 #include "optimize/iterate.h"
@@ -25,15 +26,6 @@ namespace burnish {
 namespace {
 
 using test::problem_with_views;
-
-std::string message_of(const std::function<void()>& body) {
-    try {
-        body();
-    } catch (const InputError& e) {
-        return e.what();
-    }
-    return "";
-}
 
 Setup setup_of_views(std::size_t count, std::uint32_t batch) {
     Problem problem = test::problem_of(test::small_scene_of(8));
@@ -388,14 +380,15 @@ TEST(Views, WhatALensDoesNotSeeIsLeftOut) {
     EXPECT_EQ(plain.result.loss, changed.result.loss);
     EXPECT_EQ(plain.textures[0].values, changed.textures[0].values);
     std::get<Camera>(problem.views[0].camera).center_x = -1000;
-    EXPECT_NE(message_of([&] { make_views(problem); }).find("no part of the picture lies in the"),
-              std::string::npos);
+    EXPECT_NE(
+        test::error_of([&] { make_views(problem); }).find("no part of the picture lies in the"),
+        std::string::npos);
 }
 
 TEST(Views, CamerasWhoseRaysOverflowAreRefused) {
     const Renderer renderer = make_renderer(test::scene_with_ids(16));
     const auto message = [&](const Camera& camera) {
-        return message_of([&] { static_cast<void>(renderer.with_camera(camera)); });
+        return test::error_of([&] { static_cast<void>(renderer.with_camera(camera)); });
     };
     Camera wide = test::above(), aside = test::above();
     wide.focal_x = wide.focal_y = 1e-20;
@@ -483,7 +476,7 @@ TEST(Views, AnEnvironmentReplacesTheScenes) {
     EXPECT_NE(turned, expected);
     EXPECT_EQ(of_mapped.with_lighting({{}, Environment{{}, 1.0, kIdentityMatrix}}).render(8),
               expected);
-    EXPECT_NE(message_of([&] {
+    EXPECT_NE(test::error_of([&] {
                   all.with_lighting({{}, Environment{{}, 2.0, {}}});
               }).find("no environment map"),
               std::string::npos);
@@ -491,14 +484,14 @@ TEST(Views, AnEnvironmentReplacesTheScenes) {
                                        std::pair{std::nanf(""), "not finite"}}) {
         Image spoiled = texels;
         spoiled.at(3, 2, 1) = value;
-        EXPECT_NE(message_of([&] {
+        EXPECT_NE(test::error_of([&] {
                       all.with_lighting({{}, Environment{share(spoiled), {}, {}}});
                   }).find(words),
                   std::string::npos)
             << words;
     }
     for (const double wrong : {-1.0, 1e39, std::nan("")})
-        EXPECT_NE(message_of([&] {
+        EXPECT_NE(test::error_of([&] {
                       of_mapped.with_lighting({{}, Environment{{}, wrong, {}}});
                   }).find("the environment's scale is"),
                   std::string::npos)
@@ -517,7 +510,7 @@ TEST(Views, ThatDoNotFitAreNamed) {
     const auto refused = [](const std::string& part, const std::function<void(Problem&)>& change) {
         Problem problem = problem_with_views();
         change(problem);
-        const std::string message = message_of([&] { Solver(problem, {}); });
+        const std::string message = test::error_of([&] { Solver(problem, {}); });
         EXPECT_NE(message.find(part), std::string::npos) << message;
     };
     refused("side: there is no sensor 'left'",

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "burnish/error.h"
+#include "error_of.h"
 
 namespace burnish {
 namespace {
@@ -14,12 +15,7 @@ const std::vector<Parameter> kParameters{{"mat-tire.brdf_0.base_color.data", Tex
                                          {"mat-cap.brdf_0.clearcoat.data", TextureId{3}}};
 
 std::string error_of(const std::string& name) {
-    try {
-        find_parameter(kParameters, name);
-    } catch (const InputError& error) {
-        return error.what();
-    }
-    return {};
+    return test::error_of([&] { find_parameter(kParameters, name); });
 }
 
 TEST(ParameterNames, ShortFormsAreSubsequencesOfTheParts) {

@@ -6,6 +6,7 @@
 #include <fstream>
 
 #include "burnish/error.h"
+#include "error_of.h"
 #include "image/image.h"
 #include "mitsuba/load.h"
 #include "mitsuba/temporary_scene.h"
@@ -85,12 +86,7 @@ TEST(Goblet, SceneLoadsWithoutWarnings) {
 
 std::string message_of(const std::string& name, const fs::path& folder,
                        const ProceduralOptions& options) {
-    try {
-        write_procedural_scene(name, folder, options);
-    } catch (const Error& error) {
-        return error.what();
-    }
-    return "";
+    return test::error_of<Error>([&] { write_procedural_scene(name, folder, options); });
 }
 
 TEST(Goblet, SaysWhatIsWrong) {
