@@ -20,12 +20,6 @@ std::vector<std::string> findings_of(const TemporaryFolder& folder, const std::s
     return inspect(prepare(loaded.scene)).findings;
 }
 
-bool mentions(const std::vector<std::string>& lines, const std::string& text) {
-    for (const std::string& line : lines)
-        if (line.find(text) != std::string::npos) return true;
-    return false;
-}
-
 std::string textured(const TemporaryFolder& folder, int size) {
     write_image(folder.path / "t.exr", make_image(size, size, 3, 0.5f));
     return "<bsdf type='diffuse' id='m'><texture type='bitmap' name='reflectance'><string "

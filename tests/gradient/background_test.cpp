@@ -4,20 +4,16 @@
 #include <gtest/gtest.h>
 
 #include "gradient/small_scene.h"
+#include "images.h"
 #include "render/render.h"
 
 namespace burnish {
 namespace {
 
-Image random_image(std::uint32_t seed) {
-    Image image = make_image(4, 3, 3);
-    test::RandomSource random{seed};
-    for (float& v : image.values) v = random.next();
-    return image;
-}
-
 TEST(Background, IsTheMeanOfItsPasses) {
-    const Image two = random_image(1), three = random_image(2), one = random_image(3);
+    const Image two = test::random_image(4, 3, 3, 0, 1, 1),
+                three = test::random_image(4, 3, 3, 0, 1, 2),
+                one = test::random_image(4, 3, 3, 0, 1, 3);
     std::vector<char> only(12, 0);
     only[5] = only[7] = 1;
     Background background;

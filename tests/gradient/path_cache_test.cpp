@@ -9,11 +9,11 @@
 #include "gradient/estimator.h"
 #include "gradient/estimators.h"
 #include "gradient/small_scene.h"
+#include "images.h"
 #include "optimize/strip_scene.h"
 #include "render/unpacked_record.h"
 #include "shading/diffuse.h"
 #include "shading/principled.h"
-#include "worst.h"
 
 namespace burnish {
 namespace {
@@ -121,16 +121,6 @@ std::vector<SplitGradient> plain_gradient(const Cached& cached,
     return sums;
 }
 
-/// Largest difference of two images relative to the largest value.
-double difference(const Image& a, const Image& b) {
-    double worst = 0, largest = 0;
-    for (std::size_t i = 0; i < a.values.size(); ++i) {
-        worst = test::worse(worst, std::abs(double{a.values[i]} - double{b.values[i]}));
-        largest = std::max(largest, std::abs(double{b.values[i]}));
-    }
-    return worst / largest;
-}
-
 /// The small scene with other unknowns than usual.
 struct Variant {
     const char* name;
@@ -209,11 +199,11 @@ void compare_with_plain_floats(const char* name, const Change& change,
     const auto images = shade(input, state, workspace).images;
     const auto gradient = accumulate(input, state, {&adjoints[0], &adjoints[1]}, workspace);
     for (std::size_t b = 0; b < 2; ++b)
-        EXPECT_LT(difference(images[b], plain_image(cached, b)), 3e-6) << name;
+        EXPECT_LT(test::difference(images[b], plain_image(cached, b)), 3e-6) << name;
     const auto expected = plain_gradient(cached, adjoints);
     for (std::size_t i = 0; i < expected.size(); ++i) {
-        EXPECT_LT(difference(gradient[i].first, expected[i].first), 2e-5) << name;
-        EXPECT_LT(difference(gradient[i].second, expected[i].second), 2e-5) << name;
+        EXPECT_LT(test::difference(gradient[i].first, expected[i].first), 2e-5) << name;
+        EXPECT_LT(test::difference(gradient[i].second, expected[i].second), 2e-5) << name;
     }
 }
 

@@ -14,12 +14,6 @@ namespace {
 const std::string kLight =
     "<emitter type='constant'/><sensor type='perspective'/><integrator type='direct'/>";
 
-bool mentions(const std::vector<std::string>& lines, const std::string& text) {
-    for (const std::string& line : lines)
-        if (line.find(text) != std::string::npos) return true;
-    return false;
-}
-
 const Sphere& first_sphere(const LoadedScene& loaded) {
     return std::get<Sphere>(loaded.scene.shapes.at(0).geometry);
 }

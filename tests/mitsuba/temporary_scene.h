@@ -5,9 +5,11 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <fstream>
 #include <string>
+#include <vector>
 
 #include "error_of.h"
 #include "mitsuba/load.h"
@@ -54,6 +56,12 @@ inline LoadedScene load_text(const TemporaryFolder& folder, const std::string& c
     return load_scene(
         write_text(folder, "scene.xml", "<scene version=\"3.0.0\">\n" + children + "\n</scene>\n"),
         options);
+}
+
+/// Whether one of the lines holds the text.
+inline bool mentions(const std::vector<std::string>& lines, const std::string& text) {
+    return std::ranges::any_of(
+        lines, [&](const std::string& line) { return line.find(text) != std::string::npos; });
 }
 
 /// What load_scene says about a broken scene; empty where it loads.

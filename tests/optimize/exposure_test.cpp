@@ -9,6 +9,7 @@
 
 #include "burnish/error.h"
 #include "core/parallel.h"
+#include "images.h"
 #include "optimize/estimators.h"
 #include "optimize/loss.h"
 #include "optimize/view_loss.h"
@@ -19,18 +20,11 @@ namespace {
 
 constexpr Loss kAllLosses[] = {Loss::kRelMse, Loss::kL2, Loss::kL1};
 
-Image random_image(int width, int height, float low, float high, std::uint32_t seed) {
-    test::RandomSource random{seed};
-    Image image = make_image(width, height, 3);
-    for (float& v : image.values) v = random.next(low, high);
-    return image;
-}
-
 /// A picture, a render of it, and weights with zeros.
 struct Exposed {
-    Image image = random_image(9, 7, 0.05f, 1.5f, 1), picture = image, mask;
+    Image image = test::random_image(9, 7, 3, 0.05f, 1.5f, 1), picture = image, mask;
 
-    Exposed() : mask(random_image(9, 7, -0.3f, 1, 2)) {
+    Exposed() : mask(test::random_image(9, 7, 3, -0.3f, 1, 2)) {
         test::RandomSource random{3};
         for (std::size_t i = 0; i < picture.values.size(); ++i)
             picture.values[i] *=
@@ -89,7 +83,7 @@ TEST(Exposure, TheAdjointIsTheSlopeOfTheFittedLoss) {
             const ExposureFactors e = c.fit(by_channel, loss);
             const Image adjoint =
                 exposed(e, evaluate_loss(loss, exposed(e, c.image), c.picture, c.mask).adjoint);
-            Image direction = random_image(9, 7, 0, 1, 4);
+            Image direction = test::random_image(9, 7, 3, 0, 1, 4);
             double slope = 0;
             for (std::size_t i = 0; i < direction.values.size(); ++i) {
                 direction.values[i] *= adjoint.values[i] < 0 ? -1.0f : 1.0f;
@@ -109,7 +103,7 @@ TEST(Exposure, TheAdjointIsTheSlopeOfTheFittedLoss) {
 
 /// Half of the light in noise: the square of one noisy image would be too large by a quarter.
 TEST(Exposure, NoiseOfTheImageDoesNotMoveIt) {
-    const Image image = random_image(200, 200, 0.2f, 1, 5);
+    const Image image = test::random_image(200, 200, 3, 0.2f, 1, 5);
     Image picture = image, a = image, b = image;
     test::RandomSource random{6};
     for (std::size_t i = 0; i < image.values.size(); ++i) {

@@ -5,19 +5,12 @@
 
 #include <algorithm>
 
+#include "images.h"
 #include "optimize/option_value.h"
-#include "random_source.h"
 #include "worst.h"
 
 namespace burnish {
 namespace {
-
-Image random_image(int width, int height, int channels, std::uint32_t seed) {
-    test::RandomSource random{seed};
-    Image image = make_image(width, height, channels);
-    for (float& v : image.values) v = random.next(0.0f, 2.0f);
-    return image;
-}
 
 /// The largest deviation of `adjoint` from central differences of the value, relative to its own
 /// largest entry.
@@ -38,9 +31,11 @@ double worst_difference(Loss loss, const Image& image, const Image& target, cons
 }
 
 TEST(Loss, AdjointIsTheDerivativeOfTheValue) {
-    const Image image = random_image(5, 3, 3, 1), target = random_image(5, 3, 3, 2);
+    const Image image = test::random_image(5, 3, 3, 0, 2, 1),
+                target = test::random_image(5, 3, 3, 0, 2, 2);
     for (const auto& [name, loss] : choices<Loss>())
-        for (const Image& mask : {Image{}, random_image(5, 3, 1, 3), random_image(5, 3, 3, 4)}) {
+        for (const Image& mask : {Image{}, test::random_image(5, 3, 1, 0, 2, 3),
+                                  test::random_image(5, 3, 3, 0, 2, 4)}) {
             SCOPED_TRACE(name);
             LossValue value = evaluate_loss(loss, image, target, mask);
             EXPECT_GT(value.value, 0);
@@ -76,7 +71,8 @@ TEST(Loss, MasksWeighInProportionAndByChannel) {
 }
 
 TEST(Loss, MaskOfOnesChangesNothingAndMaskOfZerosRemovesAPixel) {
-    const Image image = random_image(4, 4, 3, 5), target = random_image(4, 4, 3, 6);
+    const Image image = test::random_image(4, 4, 3, 0, 2, 5),
+                target = test::random_image(4, 4, 3, 0, 2, 6);
     const LossValue plain = evaluate_loss(Loss::kRelMse, image, target, {});
     const LossValue ones = evaluate_loss(Loss::kRelMse, image, target, make_image(4, 4, 1, 1.0f));
     EXPECT_EQ(plain.value, ones.value);
@@ -105,8 +101,10 @@ double mean_over_noise(const Image& image, const Image& noise, const Value& valu
 }
 
 TEST(Loss, OfHalvesHoldsNoNoise) {
-    const Image image = random_image(5, 4, 3, 21), target = random_image(5, 4, 3, 22);
-    const Image noise = random_image(5, 4, 3, 23), mask = random_image(5, 4, 1, 24);
+    const Image image = test::random_image(5, 4, 3, 0, 2, 21),
+                target = test::random_image(5, 4, 3, 0, 2, 22);
+    const Image noise = test::random_image(5, 4, 3, 0, 2, 23),
+                mask = test::random_image(5, 4, 1, 0, 2, 24);
     for (const Loss loss : {Loss::kRelMse, Loss::kL2}) {
         const double truth = loss_value(loss, image, target, mask);
         const auto halves = [&](const Image& a, const Image& b) {
@@ -124,8 +122,9 @@ TEST(Loss, OfHalvesHoldsNoNoise) {
 
 /// An unbiased gradient needs an adjoint that is affine in the image: its second difference is 0.
 double second_difference(Loss loss) {
-    const Image target = random_image(4, 4, 3, 8), a = random_image(4, 4, 3, 9);
-    const Image b = random_image(4, 4, 3, 10);
+    const Image target = test::random_image(4, 4, 3, 0, 2, 8),
+                a = test::random_image(4, 4, 3, 0, 2, 9);
+    const Image b = test::random_image(4, 4, 3, 0, 2, 10);
     Image middle = a;
     for (std::size_t i = 0; i < a.values.size(); ++i)
         middle.values[i] = 0.5f * (a.values[i] + b.values[i]);

@@ -5,20 +5,11 @@
 #include <cmath>
 
 #include "gradient/texel_gradient.h"
+#include "images.h"
 #include "reference/pgris.h"
 #include "worst.h"
 
 namespace burnish::test {
-
-/// The largest difference of two images, relative to the largest value of b.
-inline double difference(const Image& a, const Image& b) {
-    double worst = 0, largest = 0;
-    for (std::size_t i = 0; i < a.values.size(); ++i) {
-        worst = test::worse(worst, std::abs(double{a.values[i]} - double{b.values[i]}));
-        largest = std::max(largest, std::abs(double{b.values[i]}));
-    }
-    return worst / largest;
-}
 
 /// The same numbers by texels.
 inline reference::Gradient by_texel(const std::vector<TexelGradient>& gradient) {

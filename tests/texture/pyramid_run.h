@@ -3,18 +3,11 @@
 
 #include <vector>
 
+#include "images.h"
 #include "random_source.h"
 #include "texture/pyramid_step.h"
 
 namespace burnish::test {
-
-inline Image random_image(int width, int height, int channels, float low, float high,
-                          std::uint32_t seed) {
-    RandomSource random{seed};
-    Image image = make_image(width, height, channels);
-    for (float& v : image.values) v = random.next(low, high);
-    return image;
-}
 
 /// Two charts, left and right, with a column of no chart between them.
 inline ChartMap two_charts(int width, int height) {
