@@ -290,6 +290,7 @@ Document parse_document(const fs::path& file, const std::map<std::string, std::s
     Parser parser;
     parser.definitions = command_line_definitions(given);
     parser.document.top_folder = real_path(file).parent_path();
+    parser.document.named_folder = file.parent_path();
     parser.document.root = read_file(parser, file, file.string(), nullptr);
     check_given(parser.definitions, file.string());
     Document document = std::move(parser.document);
@@ -313,8 +314,9 @@ fs::path resolve_file(const Document& document, const Place& place, const std::s
     if (name.empty() || name.find('\0') != std::string::npos)
         fail(place, "the file name is empty, expected a file");
     std::vector<fs::path> folders(document.search_folders.rbegin(), document.search_folders.rend());
-    folders.push_back(document.top_folder);
-    folders.push_back(fs::path(place.file).parent_path());
+    for (const fs::path& folder :
+         {document.named_folder, document.top_folder, fs::path(place.file).parent_path()})
+        folders.push_back(folder);
     bool any_inside = false;
     for (const fs::path& folder : folders) {
         const fs::path candidate = folder / name;

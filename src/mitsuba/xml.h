@@ -16,7 +16,8 @@ struct Document {
     Node root;  ///< the <scene>
     /// Ids and aliases -> nodes below root; the tree must not change any more.
     std::map<std::string, const Node*> ids;
-    std::filesystem::path top_folder;  ///< of the top-level scene: nothing outside is read
+    std::filesystem::path top_folder;    ///< of the top-level scene: nothing outside is read
+    std::filesystem::path named_folder;  ///< the same as the scene was named, behind a link another
     std::vector<std::filesystem::path> search_folders;  ///< <path>, in order
     std::vector<std::string> notes;
 };

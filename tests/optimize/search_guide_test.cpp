@@ -174,6 +174,7 @@ TEST(SearchGuide, KnownTexturesOfTheSameMaterialGuide) {
     EXPECT_TRUE(guides_of(scene, roughness, {{roughness, color}}).empty());
     EXPECT_TRUE(guides_of(scene, color, {{color}}).empty()) << "no roughness";
     RoughConductor brushed;  // reads it beside one that has no guide
+    brushed.roughness.anisotropic = true;
     brushed.roughness.alpha[0].texture = roughness, brushed.roughness.alpha[1].texture = {3};
     scene.textures.push_back(scene.textures[0]);
     scene.bsdfs.push_back(brushed);
