@@ -2,11 +2,11 @@
 #include "captures/pictures.h"
 
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include "burnish/error.h"
 #include "image/files.h"
 #include "image/image.h"
+#include "temporary_folder.h"
 
 namespace burnish {
 namespace {
@@ -14,9 +14,8 @@ namespace {
 namespace fs = std::filesystem;
 
 struct Masks : testing::Test {
-    fs::path folder = fs::temp_directory_path() / ("burnish.masks." + std::to_string(getpid()));
-    Masks() { fs::create_directories(folder); }
-    ~Masks() override { fs::remove_all(folder); }
+    test::TemporaryFolder temporary;
+    fs::path folder = temporary.path;
 
     Image read(const char* name, const Image& written) const {
         write_image(folder / name, written, false);

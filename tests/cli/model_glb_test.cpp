@@ -12,6 +12,7 @@
 #include "mitsuba/load.h"
 #include "program.h"
 #include "shading/principled.h"
+#include "temporary_folder.h"
 
 namespace burnish {
 
@@ -59,12 +60,10 @@ const Json& material_of(const GlbContent& glb, std::size_t mesh = 0) {
 
 /// A PNG of the model as its codes, 0 to 1.
 Image codes_of(const GlbContent& glb, const Json& texture_info) {
-    const auto file = std::filesystem::temp_directory_path() /
-                      ("burnish-glb-" + std::to_string(getpid()) + ".png");
+    const test::TemporaryFolder folder;
+    const fs::path file = folder.path / "codes.png";
     write_bytes(file, testing::png_of(glb, texture_info));
-    const Image image = read_image_file(file).image;
-    std::filesystem::remove(file);
-    return image;
+    return read_image_file(file).image;
 }
 
 TEST(ModelGlb, AMeshStaysWhereItIsAndItsCoordinatesToo) {

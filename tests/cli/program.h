@@ -23,6 +23,7 @@
 
 #include "image/image.h"
 #include "optimize/checkpoint.h"
+#include "temporary_folder.h"
 
 namespace burnish::testing {
 
@@ -110,13 +111,9 @@ inline std::string named_limit(const std::string& text) {
 
 /// A folder that lasts as long as the test.
 class Program : public ::testing::Test {
-  protected:
-    Program() {
-        std::string pattern = (fs::temp_directory_path() / "burnish-app-XXXXXX").string();
-        folder = mkdtemp(pattern.data());
-    }
-    ~Program() override { fs::remove_all(folder); }
+    test::TemporaryFolder temporary_;
 
+  protected:
     /// A line of the shell, in the folder. What its last command writes goes to the files `.out`
     /// and `.err`; several are one in brackets.
     Outcome shell(const std::string& line) const {
@@ -230,7 +227,7 @@ class Program : public ::testing::Test {
 )");
     }
 
-    fs::path folder;
+    fs::path folder = temporary_.path;
 
   private:
     static constexpr const char* kProgram = "'" BURNISH_BINARY "' ";

@@ -16,6 +16,7 @@
 #include "cli/optimize_options.h"
 #include "cli/options_file.h"
 #include "error_of.h"
+#include "temporary_folder.h"
 
 namespace burnish {
 namespace {
@@ -299,19 +300,11 @@ TEST(Settings, ValuesSurviveTheirText) {
     }
 }
 
-class OptionsFile : public ::testing::Test {
-  protected:
-    OptionsFile() {
-        std::string pattern = (std::filesystem::temp_directory_path() / "burnish-XXXXXX").string();
-        folder_ = mkdtemp(pattern.data());
-        file = (folder_ / "options.json").string();
-    }
-    ~OptionsFile() override { std::filesystem::remove_all(folder_); }
+struct OptionsFile : ::testing::Test {
     void write(const std::string& text) const { std::ofstream(file) << text; }
-    std::string file;
 
-  private:
-    std::filesystem::path folder_;
+    test::TemporaryFolder folder;
+    std::string file = (folder.path / "options.json").string();
 };
 
 TEST_F(OptionsFile, JsonRoundTripsEveryOption) {

@@ -3,7 +3,6 @@
 #include "ledger.h"
 
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <cmath>
 #include <cstdlib>
@@ -13,6 +12,7 @@
 #include <sstream>
 
 #include "ledger_entries.h"
+#include "temporary_folder.h"
 
 namespace burnish::test {
 namespace {
@@ -107,9 +107,8 @@ constexpr LedgerEntry kOwn{.name = "own",
 TEST(Ledger, JudgesByTheThreshold) {
     const char* report = std::getenv("BURNISH_LEDGER_REPORT");
     const std::string kept = report ? report : "";
-    const auto file = std::filesystem::temp_directory_path() /
-                      ("burnish_ledger_test_" + std::to_string(getpid()) + ".tsv");
-    std::filesystem::remove(file);
+    const TemporaryFolder folder;
+    const std::filesystem::path file = folder.path / "report.tsv";
     setenv("BURNISH_LEDGER_REPORT", file.c_str(), 1);
     EXPECT_TRUE(accepted(kOwn, "a", 1e-3));
     EXPECT_FALSE(accepted(kOwn, "b", 1e-9));
@@ -134,7 +133,6 @@ TEST(Ledger, JudgesByTheThreshold) {
     EXPECT_EQ(lines[3].what, "defect");
     EXPECT_EQ(lines[3].test, "Ledger.JudgesByTheThreshold");
     EXPECT_DOUBLE_EQ(lines[3].p_value, 1e-9);
-    std::filesystem::remove(file);
 }
 
 }  // namespace

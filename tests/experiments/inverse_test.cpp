@@ -3,7 +3,6 @@
 
 #include <gtest/gtest.h>
 
-#include <unistd.h>
 
 #include <algorithm>
 #include <array>
@@ -17,6 +16,7 @@
 #include "experiments/ablation.h"
 #include "experiments/interval.h"
 #include "experiments/small_target_scene.h"
+#include "temporary_folder.h"
 
 namespace burnish {
 namespace {
@@ -90,11 +90,10 @@ TEST(Inverse, AStoppedRunGoesOn) {
         .iterations = 6, .long_iterations = 20, .derivative_seconds = 0, .seconds = 0};
     const TargetScene scene = test::small_target_scene(options);
     const WorkNote silent{[](const std::string&) {}, {}};
-    const auto folder = std::filesystem::temp_directory_path() /
-                        ("burnish_stopped_run_test_" + std::to_string(getpid()));
     for (const Method& method : planned_runs(scene, options).methods) {
         SCOPED_TRACE(method.name);
-        std::filesystem::remove_all(folder);
+        const test::TemporaryFolder temporary;
+        const std::filesystem::path folder = temporary.path / "checkpoints";
         const std::uint32_t all = method.is_long ? 20 : 6;
         const burnish::Run whole = run_method(scene, method, options, 1, silent).value();
         ASSERT_EQ(whole.losses.points.size(), all);
@@ -141,7 +140,6 @@ TEST(Inverse, AStoppedRunGoesOn) {
         EXPECT_EQ(again.losses.points.size(), all);
         EXPECT_EQ(again.at[kLong].loss, whole.at[kLong].loss);
     }
-    std::filesystem::remove_all(folder);
 }
 
 TEST(Inverse, GoingOnIsDecidedByWholeIntervals) {

@@ -1,15 +1,13 @@
 // A target scene that the experiments work on within a second.
 #pragma once
 
-#include <unistd.h>
-
 #include <cmath>
-#include <filesystem>
 #include <memory>
 #include <string>
 
 #include "experiments/experiments.h"
 #include "scenes/procedural.h"
+#include "temporary_folder.h"
 
 namespace burnish::test {
 
@@ -28,14 +26,12 @@ inline ReproduceOptions small_options() {
 }
 
 inline TargetScene small_target_scene(const ReproduceOptions& options) {
-    // Of this process alone: tests run beside each other.
-    const auto folder = std::filesystem::temp_directory_path() /
-                        ("burnish_experiments_test_" + std::to_string(getpid()));
-    write_procedural_scene("goblet", folder, {.texture_size = 64});
+    const TemporaryFolder folder;
+    write_procedural_scene("goblet", folder.path, {.texture_size = 64});
     TargetScene scene = load_target_scene(
-        {"goblet", folder / "scene.xml", "mat-goblet.brdf_0.roughness.data", 0.02f, 16}, options);
+        {"goblet", folder.path / "scene.xml", "mat-goblet.brdf_0.roughness.data", 0.02f, 16},
+        options);
     scene.target = render_target(scene, options);
-    std::filesystem::remove_all(folder);
     return scene;
 }
 

@@ -3,7 +3,6 @@
 #include "experiments/trajectory.h"
 
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <cmath>
 #include <filesystem>
@@ -16,6 +15,7 @@
 #include "ledger_entries.h"
 #include "optimize/iterate.h"
 #include "student.h"
+#include "temporary_folder.h"
 #include "texture/coverage.h"
 
 namespace burnish {
@@ -40,13 +40,11 @@ TEST(Reproduce, TexturesAreAveragedToSize) {
 }
 
 TEST(Reproduce, AnUnknownParameterIsRefused) {
-    const auto folder = std::filesystem::temp_directory_path() /
-                        ("burnish_reproduce_refused_" + std::to_string(getpid()));
-    write_procedural_scene("goblet", folder, {.texture_size = 16});
-    EXPECT_THROW(
-        load_target_scene({"goblet", folder / "scene.xml", "nothing", 0.02f, 16}, small_options()),
-        InputError);
-    std::filesystem::remove_all(folder);
+    const test::TemporaryFolder folder;
+    write_procedural_scene("goblet", folder.path, {.texture_size = 16});
+    EXPECT_THROW(load_target_scene({"goblet", folder.path / "scene.xml", "nothing", 0.02f, 16},
+                                   small_options()),
+                 InputError);
 }
 
 /// The estimator that recorded a trajectory sees the same textures, adjoints and random numbers

@@ -3,11 +3,9 @@
 #include <zlib.h>
 
 #include <algorithm>
-#include <cstdlib>
 #include <cstring>
 #include <fstream>
 #include <string>
-#include <system_error>
 
 #include "burnish/checkpoint.h"
 #include "burnish/photograph.h"
@@ -127,22 +125,13 @@ const Reader* find_reader(std::string_view name) {
 }
 
 Folder::Folder(const Reader& reader) : reader_(reader) {
-    std::string pattern = (fs::temp_directory_path() / "burnish-fuzz-XXXXXX").string();
-    if (!mkdtemp(pattern.data()))
-        throw std::system_error(errno, std::generic_category(), "no folder for the files");
-    path_ = pattern;
-    copy_from_corpus("png/rgb.png", path_ / "image.png");
-    copy_from_corpus("ply/ascii.ply", path_ / "mesh.ply");
-    copy_from_corpus("obj/quad.obj", path_ / "mesh.obj");
-}
-
-Folder::~Folder() {
-    std::error_code ignored;
-    fs::remove_all(path_, ignored);
+    copy_from_corpus("png/rgb.png", folder_.path / "image.png");
+    copy_from_corpus("ply/ascii.ply", folder_.path / "mesh.ply");
+    copy_from_corpus("obj/quad.obj", folder_.path / "mesh.obj");
 }
 
 void Folder::read(std::string_view bytes) const {
-    const fs::path file = path_ / reader_.file;
+    const fs::path file = folder_.path / reader_.file;
     std::ofstream(file, std::ios::binary)
         .write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
     reader_.read(file);

@@ -6,6 +6,8 @@
 #include <span>
 #include <string_view>
 
+#include "temporary_folder.h"
+
 namespace burnish::fuzz {
 
 /// A reader of files.
@@ -25,16 +27,13 @@ const Reader* find_reader(std::string_view name);
 class Folder {
   public:
     explicit Folder(const Reader& reader);
-    ~Folder();
-    Folder(const Folder&) = delete;
-    Folder& operator=(const Folder&) = delete;
 
     /// Reads the bytes as a file. Throws what the reader throws.
     void read(std::string_view bytes) const;
 
   private:
     const Reader& reader_;
-    std::filesystem::path path_;
+    test::TemporaryFolder folder_;
 };
 
 }  // namespace burnish::fuzz

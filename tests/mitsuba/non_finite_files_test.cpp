@@ -1,4 +1,6 @@
 // Texels that are not finite become 0, and are counted to the last one.
+#include <gtest/gtest.h>
+
 #include <cmath>
 #include <limits>
 

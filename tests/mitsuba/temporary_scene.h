@@ -1,9 +1,5 @@
-// A folder for one test: files are written into it, scenes are loaded from it, and it goes away
-// with the test.
+// Scenes in a folder of a test: files are written into it, scenes are loaded from it.
 #pragma once
-
-#include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <filesystem>
@@ -13,29 +9,11 @@
 
 #include "error_of.h"
 #include "mitsuba/load.h"
+#include "temporary_folder.h"
 
 namespace burnish {
 
-struct TemporaryFolder {
-    std::filesystem::path path;
-
-    TemporaryFolder() {
-        const auto* test = ::testing::UnitTest::GetInstance()->current_test_info();
-        std::string name = std::string(test->test_suite_name()) + "." + test->name();
-        for (char& c : name)
-            if (c == '/') c = '_';
-        path = std::filesystem::temp_directory_path() /
-               ("burnish." + name + "." + std::to_string(getpid()));
-        std::filesystem::remove_all(path);
-        std::filesystem::create_directories(path);
-    }
-    TemporaryFolder(const TemporaryFolder&) = delete;
-    TemporaryFolder& operator=(const TemporaryFolder&) = delete;
-    ~TemporaryFolder() {
-        std::error_code ignored;
-        std::filesystem::remove_all(path, ignored);
-    }
-};
+using test::TemporaryFolder;
 
 inline std::filesystem::path write_text(const TemporaryFolder& folder, const std::string& name,
                                         const std::string& text) {

@@ -16,6 +16,7 @@
 #include "optimize/non_finite.h"
 #include "optimize/small_problem.h"
 #include "optimize/state.h"
+#include "temporary_folder.h"
 
 namespace burnish {
 namespace {
@@ -85,7 +86,7 @@ TEST(NonFinite, MoreThanOneInAThousandEndsTheRunWithACheckpoint) {
     EXPECT_EQ(solve(problem, options).iterations.size(), 3u);
     problem.loss = broken_loss(6, kNan);
     Checkpoints checkpoints;
-    checkpoints.folder = temporary.folder.string();
+    checkpoints.folder = temporary.path.string();
     std::string error;
     try {
         solve(problem, options, checkpoints);

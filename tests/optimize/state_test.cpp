@@ -10,6 +10,7 @@
 
 #include "optimize/checkpoint_folder.h"
 #include "optimize/state_cases.h"
+#include "temporary_folder.h"
 
 namespace burnish {
 namespace {
@@ -55,13 +56,12 @@ TEST(State, GoesOnInAFreshProcess) {
     const test::TemporaryFolder temporary;
     const auto cases = test::state_cases();
     const auto file = [&](std::size_t i, const char* extension) {
-        return temporary.folder / (std::to_string(i) + extension);
+        return temporary.path / (std::to_string(i) + extension);
     };
     for (std::size_t i = 0; i < cases.size(); ++i)
         std::ofstream(file(i, ".state"), std::ios::binary)
             << save_state(state_after(cases[i].options, test::kStored));
-    ASSERT_EQ(std::system((std::string(BURNISH_GO_ON) + " " + temporary.folder.string()).c_str()),
-              0);
+    ASSERT_EQ(std::system((std::string(BURNISH_GO_ON) + " " + temporary.path.string()).c_str()), 0);
     for (std::size_t i = 0; i < cases.size(); ++i) {
         std::ostringstream bytes;
         bytes << std::ifstream(file(i, ".after"), std::ios::binary).rdbuf();
