@@ -44,6 +44,7 @@ def write_scene(name: str, folder: Path, arguments) -> Path:
         unfinished = folder / "scene.unfinished"
         shutil.rmtree(unfinished, ignore_errors=True)
         shutil.copytree(arguments.scenes / name, unfinished, copy_function=shutil.copyfile)
+        shutil.rmtree(file.parent, ignore_errors=True)  # what was stopped without a name of its own
         unfinished.rename(file.parent)
     else:
         subprocess.run([arguments.burnish, "scene", name, "-o", file.parent, "--texture-size",

@@ -263,10 +263,10 @@ void run_to_the_end(const Task& task, OutputFolder& output, std::optional<Checkp
     Phases phases(run);
     const Renderer renderer = read_run(output, phases, run);
     Problem problem = make_problem(renderer, run);
+    const InterruptGuard guard;
     log_start(run);
     const bool again = settings.compared.has_value();
     if (!is_first(run.ranks) && !again) run.views.clear();  // the problem has them
-    const InterruptGuard guard;
     solve_first(std::move(problem), output, std::move(from), phases, run);
     if (again && agree(run.ranks, !interrupted()))
         solve_second(make_problem(renderer, run), output, phases, run);

@@ -141,7 +141,7 @@ struct Pyramid {
 enum class Unvisited {
     kFill,  ///< the mean of their surroundings, unless the start says more: it is an image, or
             ///< known textures guided the search for it
-    kKeep,  ///< they stay as they were at the start
+    kKeep,  ///< they stay as they were at the start, or as a later search has left them
 };
 
 /// Whatever comes first ends the run.

@@ -33,9 +33,9 @@ const Node& resolve_ref(const Document& document, const Node& ref);
 /// The element itself, or the one that it refers to.
 const Node& target_of(const Document& document, const Node& node);
 
-/// The file that a name of the scene means: beside the file that names it, in the <path> folders,
-/// or beside the top-level scene. Throws InputError: empty, missing, or outside the folder of the
-/// top-level scene.
+/// The file that a name of the scene means: in the <path> folders, the last one first, beside the
+/// top-level scene, or beside the included file that names it. Throws InputError: empty, missing,
+/// or outside the folder of the top-level scene.
 std::filesystem::path resolve_file(const Document& document, const Place& place,
                                    const std::string& name);
 

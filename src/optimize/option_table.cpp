@@ -197,7 +197,8 @@ constexpr OptionRow kTable[] = {
     {{.name = "unvisited",
       .sentence =
           "What becomes of texels that no sample visited: filled from their surroundings, or "
-          "kept as they were at the start; those of a start that is an image, or that known "
+          "kept as the last search or the start has them; those of a start that is an image, or "
+          "that known "
           "textures guided, are kept"},
      of_options<&Options::unvisited>(),
      kNoImageStart},

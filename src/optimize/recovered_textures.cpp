@@ -22,8 +22,10 @@ std::vector<std::uint32_t> known_texels(const UnknownTexture& unknown,
 
 /// What unvisited texels keep: their start, or what a later search has put in its place.
 std::span<const float> searched_last(const UnknownTexture& unknown, const PyramidState& pyramid) {
-    const std::vector<float>& goal = pyramid.levels.front().adam.initial;
-    return goal.size() == unknown.start.values.size() ? goal : unknown.start.values;
+    const LevelState& finest = pyramid.levels.front();
+    if (pyramid.levels.size() == 1) return finest.values.values;  // no coarser level moves them
+    const std::vector<float>& initial = finest.adam.initial;
+    return initial.size() == unknown.start.values.size() ? initial : unknown.start.values;
 }
 
 }  // namespace

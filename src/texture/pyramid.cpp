@@ -50,7 +50,7 @@ PyramidMaps make_maps(int levels, int width, int height, const ChartMap& charts,
     return maps;
 }
 
-PyramidState encode(const PyramidMaps& maps, const Image& initial, bool decays) {
+PyramidState encode(const PyramidMaps& maps, const Image& initial, bool keeps_initial) {
     PyramidState state;
     for (const auto& size : maps.sizes)
         state.levels.push_back(
@@ -59,7 +59,8 @@ PyramidState encode(const PyramidMaps& maps, const Image& initial, bool decays) 
     const std::size_t texels = initial.values.size() / static_cast<std::size_t>(initial.channels);
     reserve_pages(texels, state.visits);
     state.visits.resize(texels);
-    if (decays && maps.sizes.size() > 1) state.levels.front().adam.initial = initial_of(initial);
+    if (keeps_initial && maps.sizes.size() > 1)
+        state.levels.front().adam.initial = initial_of(initial);
     return state;
 }
 

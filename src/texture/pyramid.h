@@ -41,17 +41,17 @@ struct PyramidState {
     friend bool operator==(const PyramidState&, const PyramidState&) = default;
 };
 
-/// Levels whose texture is `initial` exactly: all of it in the finest. decays: whether weight decay
-/// will ask for where they started.
-PyramidState encode(const PyramidMaps& maps, const Image& initial, bool decays);
+/// Levels whose texture is `initial` exactly: all of it in the finest. keeps_initial: whether the
+/// state of several holds where they started, for weight decay and for texels that are not visited.
+PyramidState encode(const PyramidMaps& maps, const Image& initial, bool keeps_initial);
 
 /// The texture: the sum of the prolonged levels, clamped to [0, 1].
 Image decode(const PyramidMaps& maps, const PyramidState& state);
 
 /// Where `to` differs from `from`, the texture becomes `to` and starts there anew: the finest level
-/// takes up the difference and forgets its gradients, and weight decay asks for `to`. All of the
-/// texture's size. begin: the first float of the finest level that the state holds, which may be
-/// that of a part. Returns how many texels that are.
+/// takes up the difference and forgets its gradients, and what it keeps of its start becomes `to`.
+/// All of the texture's size. begin: the first float of the finest level that the state holds,
+/// which may be that of a part. Returns how many texels that are.
 std::size_t restart(const Image& from, const Image& to, PyramidState& state, Image& texture,
                     std::size_t begin = 0);
 

@@ -4,8 +4,6 @@
 
 #include <gtest/gtest.h>
 
-#include <nlohmann/json.hpp>
-
 #include "burnish/error.h"
 #include "burnish/renderer.h"
 #include "captures/pictures.h"

@@ -7,7 +7,6 @@
 #include <array>
 #include <cmath>
 #include <filesystem>
-#include <memory>
 #include <string>
 #include <utility>
 #include <vector>

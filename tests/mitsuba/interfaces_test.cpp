@@ -1,7 +1,6 @@
 // BSDFs of interfaces as the scene language gives them: indices by name, roughness, parameters.
 #include <gtest/gtest.h>
 
-#include "burnish/error.h"
 #include "error_of.h"
 #include "mitsuba/temporary_scene.h"
 #include "scene/constants.h"

@@ -122,17 +122,22 @@ TEST(SearchAgain, OneThatIsStoppedBeginsAnew) {
 }
 
 TEST(SearchAgain, WhatItFindsIsKeptWhereNoSampleCame) {
-    Options options = options_with(2);
-    options.unvisited = Unvisited::kKeep;
+    std::vector<Options> all(3, options_with(2));
+    all[1].parameterization = Parameterization::kTexels;
+    all[2].pyramid.weight_decay = 0;
     const Problem problem = searched_problem(smooth_scene(), SearchStart{});
-    const burnish::Setup setup = make_setup(problem, options);
-    State::Values state = misled_state(problem, options);
-    state.iteration = 1;
-    search_again(setup, state);
-    ASSERT_GT(state.searched_again.at(0).texels, 0u);
-    const Image kept = recovered_textures(setup, state)[0].values;
-    EXPECT_EQ(kept, state.theta.textures[0].values);
-    EXPECT_NE(kept, setup.unknowns[0].start);
+    for (Options& options : all) {
+        options.unvisited = Unvisited::kKeep;
+        const burnish::Setup setup = make_setup(problem, options);
+        State::Values state = misled_state(problem, options);
+        state.iteration = 1;
+        search_again(setup, state);
+        ASSERT_GT(state.searched_again.at(0).texels, 0u);
+        const Image kept = recovered_textures(setup, state)[0].values;
+        EXPECT_EQ(kept, state.theta.textures[0].values);
+        EXPECT_NE(kept, setup.unknowns[0].start);
+        EXPECT_NO_THROW(Solver(problem, options, State(state)));
+    }
 }
 
 /// Of a texture of as many texels with other channels.

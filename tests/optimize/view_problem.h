@@ -9,7 +9,7 @@ namespace burnish::test {
 inline Scene scene_with_ids(int side) {
     Scene scene = small_scene_of(side);
     scene.emitter_ids = {"panel", "ball", "sky"};
-    scene.sensors = {{"front", scene.camera, scene.film}, {"side", scene.camera, scene.film}};
+    scene.sensors = {{"front", scene.camera, scene.film}, {"side", scene.camera, scene.film, 1}};
     scene.sensors[1].camera.to_world = look_at({2.4, 0.3, 1.9}, {0, 0, 0}, {0, 0, 1});
     return scene;
 }
