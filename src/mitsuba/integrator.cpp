@@ -68,4 +68,18 @@ void load_integrator(Loader& loader, const Node& node) {
     warn_unknown(properties, loader.result.warnings);
 }
 
+void warn_short_paths(Loader& loader, const Node& integrator) {
+    const Scene& scene = loader.result.scene;
+    const auto is_pane = [](const Bsdf& bsdf) {
+        const auto* glass = std::get_if<Dielectric>(&bsdf);
+        return glass && glass->thin;
+    };
+    if (attribute(integrator, "type").starts_with("volpath") &&
+        scene.max_depth != kUnboundedDepth && std::ranges::any_of(scene.bsdfs, is_pane))
+        log_warning(loader, integrator.place,
+                    "what goes straight through \"null\", thin glass or a mask counts in "
+                    "\"max_depth\", which it does not in Mitsuba's \"volpath\": a larger one gives "
+                    "its image");
+}
+
 }  // namespace burnish::mitsuba

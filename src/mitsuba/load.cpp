@@ -298,6 +298,8 @@ LoadedScene load_scene(const std::filesystem::path& file, const LoadOptions& opt
     load_integrator_of_scene(loader);
     load_sensors(loader);
     load_objects(loader);
+    if (const Node* integrator = first_of(loader, "integrator"))
+        warn_short_paths(loader, *integrator);
     std::vector<SceneSensor>& sensors = loader.result.scene.sensors;
     if (sensors.empty()) sensors.push_back(default_sensor(loader));
     use_first_sensor(loader.result.scene);

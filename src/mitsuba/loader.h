@@ -63,6 +63,8 @@ void note(Loader& loader, const Place& place, const std::string& text);
 
 // One reader per family. All throw InputError with file:line:column.
 void load_integrator(Loader& loader, const Node& node);
+/// Warns where `volpath` goes further than `path`, as which it is read. Of a scene that is read.
+void warn_short_paths(Loader& loader, const Node& integrator);
 Film read_film(Loader& loader, const Node& node);
 /// That of a sensor without one.
 Film default_film(const LoadOptions& options);

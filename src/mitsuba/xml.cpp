@@ -183,11 +183,16 @@ Node read_node(Parser& parser, const Lines& lines, const pugi::xml_node& xml, in
 
 void read_children(Parser& parser, const Lines& lines, const pugi::xml_node& xml, Node& node,
                    int depth) {
+    bool is_text_told = false;
     for (const pugi::xml_node& child : xml.children()) {
-        if (child.type() != pugi::node_element)
-            fail(node.place,
-                 fmt::format("found the text \"{:.40}\" inside <{}>, expected only elements",
-                             child.value(), node.tag));
+        if (child.type() != pugi::node_element) {
+            if (!is_text_told)
+                parser.document.notes.push_back(
+                    sentence(node.place, fmt::format("the text \"{:.40}\" inside <{}> is left out",
+                                                     child.value(), node.tag)));
+            is_text_told = true;
+            continue;
+        }
         Node read = read_node(parser, lines, child, depth + 1);
         if (read.tag == "scene")
             fail(read.place, "found <scene> inside another element, expected it at the top");

@@ -24,8 +24,6 @@ const BadScene kBadScenes[] = {
     {"MissingAttribute", "<shape type='cube'>\n  <float value='1'/></shape>",
      "3:3: <float> lacks the attribute \"name\""},
     {"Malformed", "<shape type='cube'>\n</shap>", "3:3: malformed XML: Start-end tags mismatch"},
-    {"Text", "<shape type='cube'>hello</shape>",
-     "2:1: found the text \"hello\" inside <shape>, expected only elements"},
     {"UnresolvedParameter", "<default name='a' value='1'/>\n <shape type='$kind'/>",
      "3:2: the parameter \"$kind\" is not defined, expected <default name=\"kind\" .../> or -D "
      "kind=..."},

@@ -301,6 +301,37 @@ TEST(Language, OldNamesMeanTodays) {
     EXPECT_EQ(orange.z, 0.0f);
 }
 
+TEST(Language, TextBetweenElementsIsLeftOut) {
+    const TemporaryFolder folder;
+    const LoadedScene loaded = load_text(
+        folder, kLight + "\n<shape type='disk'>> todo <bsdf type='diffuse'/><![CDATA[x]]></shape>");
+    EXPECT_TRUE(loaded.warnings.empty()) << loaded.warnings[0];
+    EXPECT_EQ(loaded.scene.shapes.size(), 1u);
+    EXPECT_TRUE(mentions(loaded.notes, "scene.xml:3:1: the text \"> todo \" inside <shape>"));
+    EXPECT_FALSE(mentions(loaded.notes, "\"x\"")) << "one for each element";
+}
+
+TEST(Language, PassesThatVolpathDoesNotCountAreSaid) {
+    const TemporaryFolder folder;
+    const auto warns = [&](const std::string& type, const std::string& depth,
+                           const std::string& bsdf) {
+        const LoadedScene loaded = load_text(
+            folder, "<sensor type='perspective'/><emitter type='constant'/><integrator type='" +
+                        type + "'><integer name='max_depth' value='" + depth +
+                        "'/></integrator><shape type='disk'>" + bsdf + "</shape>");
+        return mentions(loaded.warnings, "goes straight through");
+    };
+    const std::string null = "<bsdf type='null'/>",
+                      mask =
+                          "<bsdf type='mask'><float name='opacity' value='0.5'/><bsdf "
+                          "type='diffuse'/></bsdf>";
+    for (const std::string& bsdf : {null, mask, std::string("<bsdf type='thindielectric'/>")})
+        EXPECT_TRUE(warns("volpath", "3", bsdf)) << bsdf;
+    EXPECT_FALSE(warns("volpath", "-1", null));
+    EXPECT_FALSE(warns("path", "3", null));
+    EXPECT_FALSE(warns("volpath", "3", "<bsdf type='diffuse'/>"));
+}
+
 TEST(Language, LeftoversOfOldScenesNeedNoWord) {
     const TemporaryFolder folder;
     write_image(folder.path / "t.png", make_image(2, 2, 3, 0.5f));
