@@ -22,9 +22,7 @@ std::vector<std::uint32_t> known_texels(const UnknownTexture& unknown,
 
 /// What unvisited texels keep: their start, or what a later search has put in its place.
 std::span<const float> searched_last(const UnknownTexture& unknown, const PyramidState& pyramid) {
-    const LevelState& finest = pyramid.levels.front();
-    if (pyramid.levels.size() == 1) return finest.values.values;  // no coarser level moves them
-    const std::vector<float>& initial = finest.adam.initial;
+    const std::vector<float>& initial = pyramid.levels.front().adam.initial;
     return initial.size() == unknown.start.values.size() ? initial : unknown.start.values;
 }
 
@@ -45,7 +43,8 @@ std::vector<RecoveredTexture> recovered_textures(const Setup& setup, const State
         const bool fills =
             setup.options.unvisited == Unvisited::kFill && u.start_kind != StartKind::kGiven;
         t.filled = fills && !u.is_guided;
-        if (!t.filled) keep_unvisited(pyramid.visits, searched_last(u, pyramid), t.values);
+        if (!t.filled && pyramid.levels.size() > 1)  // else nothing has moved them
+            keep_unvisited(pyramid.visits, searched_last(u, pyramid), t.values);
         const bool repeats = std::get<Bitmap>(scene[u.texture]).wrap == TextureWrap::kRepeat;
         if (fills) fill_unvisited(known_texels(u, pyramid), u.charts, repeats, t.values);
         t.coverage = make_image(t.values.width, t.values.height, 1);
