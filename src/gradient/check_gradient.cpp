@@ -43,23 +43,44 @@ Directions directions_of(const Image& texels, const Film& film, std::uint32_t se
               signs(width, height, 3, seed + 1)}}};
 }
 
-/// sum A I with a texture moved by so many steps.
-double weighed_image(const TracedScene& view, Theta theta, std::size_t slot, const Direction& d,
-                     int steps, RandomKey key, std::uint32_t passes) {
+/// The image with a texture moved by so many steps.
+Image moved_image(const TracedScene& view, Theta theta, std::size_t slot, const Direction& d,
+                  int steps, RandomKey key, std::uint32_t passes) {
     Image& texels = theta.textures[slot].values;
     for (std::size_t i = 0; i < texels.values.size(); ++i)
         texels.values[i] += static_cast<float>(steps) * kCheckStep * d.texels.values[i];
     const Binding binding(view, theta);
-    return dot(render(unknown_part(binding, key, passes), 0, passes), d.adjoint);
+    return render(unknown_part(binding, key, passes), 0, passes);
 }
 
-/// Central difference of fourth order under common random numbers.
-double difference(const TracedScene& view, const Theta& theta, std::size_t slot, const Direction& d,
-                  RandomKey key, std::uint32_t passes) {
+/// sum |A| |I|
+double magnitude(const Image& a, const Image& b) {
+    double sum = 0;
+    for (std::size_t i = 0; i < a.values.size(); ++i)
+        sum += std::abs(double{a.values[i]} * double{b.values[i]});
+    return sum;
+}
+
+/// Of images under common random numbers.
+struct Difference {
+    double slope = 0;  ///< central difference of fourth order
+    /// The difference of third order, in the unit of the slope: 0, up to rounding, unless a sample
+    /// takes another path within the steps, or the slope itself changes.
+    double jump = 0;
+};
+
+Difference difference(const TracedScene& view, const Theta& theta, std::size_t slot,
+                      const Direction& d, RandomKey key, std::uint32_t passes) {
+    constexpr double kRounding = 4 * 0x1p-24;  // of images, which are floats
+    double rounding = 0;
     const auto at = [&](int steps) {
-        return weighed_image(view, theta, slot, d, steps, key, passes);
+        const Image image = moved_image(view, theta, slot, d, steps, key, passes);
+        rounding = kRounding * magnitude(image, d.adjoint);
+        return dot(image, d.adjoint);
     };
-    return (8 * (at(1) - at(-1)) - (at(2) - at(-2))) / (12 * double{kCheckStep});
+    const double one = at(1) - at(-1), two = at(2) - at(-2), unit = 12 * double{kCheckStep};
+    const double jump = two - 2 * one;
+    return {(8 * one - two) / unit, std::abs(jump) > rounding ? jump / unit : 0};
 }
 
 CheckedMean mean_of(const std::vector<double>& values) {
@@ -74,12 +95,12 @@ double size_of(const GradientCheck& check) {
     return std::max(std::abs(check.estimate.mean), std::abs(check.difference.mean));
 }
 
-/// Parts of blends are drawn: the difference of a batch is rounding unless a sample takes another
-/// part within the steps. Few batches in which one does tell neither mean nor standard error.
-bool is_told(const std::vector<double>& differences, const GradientCheck& check) {
-    constexpr double kRounding = 1e-3;
-    return std::ranges::count_if(differences, [&](double d) {
-               return std::abs(d) > kRounding * size_of(check);
+/// Where paths are drawn by the texture, images differ by jumps as samples take other paths within
+/// the steps. Few batches in which one does tell neither mean nor standard error.
+bool is_told(const std::vector<double>& jumps, const GradientCheck& check) {
+    constexpr double kLeast = 1e-3;
+    return std::ranges::count_if(jumps, [&](double jump) {
+               return std::abs(jump) > kLeast * size_of(check);
            }) >= kCheckDrawn;
 }
 
@@ -95,11 +116,20 @@ Agreement agreement_of(const GradientCheck& check) {
 
 /// Of one direction of one texture, by batches.
 struct Batches {
-    std::vector<double> estimates, differences;
+    std::vector<double> estimates, differences, jumps;
 };
 
-/// drawn: whether the texture weighs parts of blends.
-GradientCheck check_of(const Batches& batches, bool drawn) {
+/// How a texture's values decide which paths samples take.
+enum class Draws { kNothing, kPaths, kParts };
+
+Draws draws_of(const Scene& scene, TextureId texture) {
+    if (weighs_parts(scene, texture)) return Draws::kParts;
+    const bool has_roulette = has_bounces(scene) && scene.rr_depth < scene.max_depth;
+    return has_roulette || draws_paths(scene, texture) ? Draws::kPaths : Draws::kNothing;
+}
+
+/// Of parts of blends differences are jumps alone: without them nothing agrees either.
+GradientCheck check_of(const Batches& batches, Draws draws) {
     std::vector<double> gaps;
     for (std::size_t i = 0; i < batches.estimates.size(); ++i)
         gaps.push_back(batches.estimates[i] - batches.differences[i]);
@@ -108,8 +138,10 @@ GradientCheck check_of(const Batches& batches, bool drawn) {
     check.estimate = mean_of(batches.estimates), check.difference = mean_of(batches.differences);
     check.t = gap.standard_error > 0 ? gap.mean / gap.standard_error : 0;
     check.agreement = agreement_of(check);
-    if (drawn && !is_told(batches.differences, check) && check.agreement != Agreement::kNothing)
-        check.agreement = Agreement::kTooNoisy;
+    const bool asks = draws == Draws::kParts
+                          ? check.agreement != Agreement::kNothing
+                          : draws == Draws::kPaths && check.agreement == Agreement::kDisagree;
+    if (asks && !is_told(batches.jumps, check)) check.agreement = Agreement::kTooNoisy;
     return check;
 }
 
@@ -145,16 +177,18 @@ std::vector<GradientCheck> check_gradient(const CheckGradientOptions& options,
             for (std::size_t slot = 0; slot < slots; ++slot) {
                 const Direction& along = directions[slot][d];
                 batches[slot][d].estimates.push_back(dot(gradient[slot], along.texels));
-                batches[slot][d].differences.push_back(
-                    difference(view, theta, slot, along, {seed, Stream::kEvaluation}, passes));
+                const Difference images =
+                    difference(view, theta, slot, along, {seed, Stream::kEvaluation}, passes);
+                batches[slot][d].differences.push_back(images.slope);
+                batches[slot][d].jumps.push_back(images.jump);
                 if (report) report(++done / all);
             }
         }
     std::vector<GradientCheck> checks;
     for (std::size_t slot = 0; slot < slots; ++slot)
         for (std::size_t d = 0; d < kDirections; ++d) {
-            const bool drawn = weighs_parts(*view.scene, theta.textures[slot].texture);
-            checks.push_back(check_of(batches[slot][d], drawn));
+            const Draws draws = draws_of(*view.scene, theta.textures[slot].texture);
+            checks.push_back(check_of(batches[slot][d], draws));
             checks.back().slot = slot, checks.back().direction = directions[slot][d].name;
         }
     return checks;

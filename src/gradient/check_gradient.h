@@ -32,8 +32,8 @@ struct CheckedMean {
 enum class Agreement {
     kAgree,
     kDisagree,
-    /// The standard error is more than a quarter of the derivative, or parts of blends were drawn
-    /// otherwise in fewer than kCheckDrawn batches: neither is shown.
+    /// The standard error is more than a quarter of the derivative, or too few batches saw samples
+    /// take other paths, see kCheckDrawn: neither is shown.
     kTooNoisy,
     kNothing,  ///< both are 0, without noise: the picture shows no light that the texture scatters
 };
@@ -48,13 +48,14 @@ struct GradientCheck {
 };
 
 /// |t| above this is a disagreement: of a right derivative one time in 10,000 (Student's t with
-/// kCheckBatches - 1 degrees of freedom), by a weight or an opacity that takes effect in few more
-/// than kCheckDrawn batches up to one time in 900; unless they differ by less than kCheckRounding
-/// of the larger one: images are floats, and where nothing is noisy the errors of both are
-/// rounding.
+/// kCheckBatches - 1 degrees of freedom), where samples take other paths in few more than
+/// kCheckDrawn batches up to one time in 900; unless they differ by less than kCheckRounding of the
+/// larger one: images are floats, and where nothing is noisy the errors of both are rounding.
 inline constexpr double kCheckThreshold = 4.44, kCheckRounding = 1e-4;
 
-/// So many batches must see a weight of a blend, or an opacity, take effect; else kTooNoisy.
+/// In so many batches samples must take other paths within the steps, where the texture, or Russian
+/// roulette, decides on paths: jumps that are rare and large are missing from most means. With
+/// fewer nothing is told of a weight of a blend or of an opacity, and of others no disagreement.
 inline constexpr int kCheckDrawn = kCheckBatches / 2;
 
 /// Theta with all values moved to where both sides can be rendered.
