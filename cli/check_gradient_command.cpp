@@ -91,7 +91,9 @@ void run(const CheckGradientCommandOptions& options) {
             "the derivative disagrees with finite differences: of a right one this happens once in "
             "10,000 comparisons; try another --seed, and report the scene where it stays");
     if (any_is(checks, Agreement::kTooNoisy))
-        log_info("too noisy to tell: raise --spp, by 4 for half the noise");
+        log_info(
+            "too noisy to tell: raise --spp, by 4 for half the noise; where samples seldom take "
+            "other paths, by more");
     if (any_is(checks, Agreement::kNothing))
         log_warning("no light to compare: the picture shows none that the texture scatters");
 }

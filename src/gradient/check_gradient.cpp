@@ -53,34 +53,33 @@ Image moved_image(const TracedScene& view, Theta theta, std::size_t slot, const 
     return render(unknown_part(binding, key, passes), 0, passes);
 }
 
-/// sum |A| |I|
-double magnitude(const Image& a, const Image& b) {
-    double sum = 0;
-    for (std::size_t i = 0; i < a.values.size(); ++i)
-        sum += std::abs(double{a.values[i]} * double{b.values[i]});
-    return sum;
-}
-
 /// Of images under common random numbers.
 struct Difference {
     double slope = 0;  ///< central difference of fourth order
-    /// The difference of third order, in the unit of the slope: 0, up to rounding, unless a sample
-    /// takes another path within the steps, or the slope itself changes.
+    /// The difference of third order, summed without signs over pixels, in the unit of the slope:
+    /// 0, up to rounding, unless a sample takes another path within the steps, or a pixel's slope
+    /// changes.
     double jump = 0;
 };
 
 Difference difference(const TracedScene& view, const Theta& theta, std::size_t slot,
                       const Direction& d, RandomKey key, std::uint32_t passes) {
-    constexpr double kRounding = 4 * 0x1p-24;  // of images, which are floats
-    double rounding = 0;
+    constexpr double kRounding = 16 * 0x1p-24;  // of images, which are floats
     const auto at = [&](int steps) {
-        const Image image = moved_image(view, theta, slot, d, steps, key, passes);
-        rounding = kRounding * magnitude(image, d.adjoint);
-        return dot(image, d.adjoint);
+        return moved_image(view, theta, slot, d, steps, key, passes);
     };
-    const double one = at(1) - at(-1), two = at(2) - at(-2), unit = 12 * double{kCheckStep};
-    const double jump = two - 2 * one;
-    return {(8 * one - two) / unit, std::abs(jump) > rounding ? jump / unit : 0};
+    const Image up = at(1), down = at(-1), up2 = at(2), down2 = at(-2);
+    double slope = 0, jump = 0, rounding = 0;
+    for (std::size_t i = 0; i < up.values.size(); ++i) {
+        const double weight = d.adjoint.values[i];
+        const double one = double{up.values[i]} - double{down.values[i]},
+                     two = double{up2.values[i]} - double{down2.values[i]};
+        slope += weight * (8 * one - two);
+        jump += std::abs(weight * (two - 2 * one));
+        rounding += kRounding * std::abs(weight * double{up.values[i]});
+    }
+    const double unit = 12 * double{kCheckStep};
+    return {slope / unit, jump > rounding ? jump / unit : 0};
 }
 
 CheckedMean mean_of(const std::vector<double>& values) {
@@ -99,9 +98,8 @@ double size_of(const GradientCheck& check) {
 /// the steps. Few batches in which one does tell neither mean nor standard error.
 bool is_told(const std::vector<double>& jumps, const GradientCheck& check) {
     constexpr double kLeast = 1e-3;
-    return std::ranges::count_if(jumps, [&](double jump) {
-               return std::abs(jump) > kLeast * size_of(check);
-           }) >= kCheckDrawn;
+    return std::ranges::count_if(
+               jumps, [&](double jump) { return jump > kLeast * size_of(check); }) >= kCheckDrawn;
 }
 
 Agreement agreement_of(const GradientCheck& check) {
@@ -120,15 +118,24 @@ struct Batches {
 };
 
 /// How a texture's values decide which paths samples take.
-enum class Draws { kNothing, kPaths, kParts };
+enum class Draws { kNothing, kRoulette, kPaths, kParts };
 
 Draws draws_of(const Scene& scene, TextureId texture) {
     if (weighs_parts(scene, texture)) return Draws::kParts;
+    if (draws_paths(scene, texture)) return Draws::kPaths;
     const bool has_roulette = has_bounces(scene) && scene.rr_depth < scene.max_depth;
-    return has_roulette || draws_paths(scene, texture) ? Draws::kPaths : Draws::kNothing;
+    return has_roulette ? Draws::kRoulette : Draws::kNothing;
 }
 
-/// Of parts of blends differences are jumps alone: without them nothing agrees either.
+/// Whether the verdict is one only where enough batches have jumps. Of parts of blends differences
+/// are jumps alone: without them nothing agrees either. Roulette may end no path that counts.
+bool asks_for_jumps(const GradientCheck& check, Draws draws, const std::vector<double>& jumps) {
+    if (draws == Draws::kParts) return check.agreement != Agreement::kNothing;
+    if (check.agreement != Agreement::kDisagree) return false;
+    const bool any = std::ranges::any_of(jumps, [](double jump) { return jump > 0; });
+    return draws == Draws::kPaths || (draws == Draws::kRoulette && any);
+}
+
 GradientCheck check_of(const Batches& batches, Draws draws) {
     std::vector<double> gaps;
     for (std::size_t i = 0; i < batches.estimates.size(); ++i)
@@ -138,10 +145,8 @@ GradientCheck check_of(const Batches& batches, Draws draws) {
     check.estimate = mean_of(batches.estimates), check.difference = mean_of(batches.differences);
     check.t = gap.standard_error > 0 ? gap.mean / gap.standard_error : 0;
     check.agreement = agreement_of(check);
-    const bool asks = draws == Draws::kParts
-                          ? check.agreement != Agreement::kNothing
-                          : draws == Draws::kPaths && check.agreement == Agreement::kDisagree;
-    if (asks && !is_told(batches.jumps, check)) check.agreement = Agreement::kTooNoisy;
+    if (asks_for_jumps(check, draws, batches.jumps) && !is_told(batches.jumps, check))
+        check.agreement = Agreement::kTooNoisy;
     return check;
 }
 

@@ -54,8 +54,9 @@ struct GradientCheck {
 inline constexpr double kCheckThreshold = 4.44, kCheckRounding = 1e-4;
 
 /// In so many batches samples must take other paths within the steps, where the texture, or Russian
-/// roulette, decides on paths: jumps that are rare and large are missing from most means. With
-/// fewer nothing is told of a weight of a blend or of an opacity, and of others no disagreement.
+/// roulette, decides on paths: jumps that are rare and large are missing from most means of
+/// differences. With fewer a disagreement is kTooNoisy; of a weight of a blend, or an opacity, an
+/// agreement, too.
 inline constexpr int kCheckDrawn = kCheckBatches / 2;
 
 /// Theta with all values moved to where both sides can be rendered.

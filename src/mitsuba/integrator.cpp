@@ -70,12 +70,15 @@ void load_integrator(Loader& loader, const Node& node) {
 
 void warn_short_paths(Loader& loader, const Node& integrator) {
     const Scene& scene = loader.result.scene;
-    const auto is_pane = [](const Bsdf& bsdf) {
-        const auto* glass = std::get_if<Dielectric>(&bsdf);
+    const auto is_pane = [&](BsdfId id) {
+        const auto* glass = std::get_if<Dielectric>(&scene[id]);
         return glass && glass->thin;
     };
+    const auto has_pane = [&](const Shape& shape) {
+        return shape.material && std::ranges::any_of(bsdfs_of(scene, shape.material), is_pane);
+    };
     if (attribute(integrator, "type").starts_with("volpath") &&
-        scene.max_depth != kUnboundedDepth && std::ranges::any_of(scene.bsdfs, is_pane))
+        scene.max_depth != kUnboundedDepth && std::ranges::any_of(scene.shapes, has_pane))
         log_warning(loader, integrator.place,
                     "what goes straight through \"null\", thin glass or a mask counts in "
                     "\"max_depth\", which it does not in Mitsuba's \"volpath\": a larger one gives "

@@ -146,13 +146,16 @@ void use_first_sensor(Scene& scene) {
     scene.film = scene.sensors.front().film;
 }
 
-void load_integrator_of_scene(Loader& loader) {
-    if (const Node* integrator = first_of(loader, "integrator"))
+/// Returns it; null: there is none.
+const Node* load_integrator_of_scene(Loader& loader) {
+    const Node* integrator = first_of(loader, "integrator");
+    if (integrator)
         read_or_leave_out(loader, "\"direct\" is taken",
                           [&] { load_integrator(loader, *integrator); });
     else
         note(loader, loader.document.root.place,
              "the scene has no integrator: \"direct\" is taken");
+    return integrator;
 }
 
 void collect_parameters(Loader& loader) {
@@ -294,12 +297,12 @@ LoadedScene load_scene(const std::filesystem::path& file, const LoadOptions& opt
     loader.options = options;
     loader.document = parse_document(file, options.definitions);
     loader.result.notes = loader.document.notes;
+    loader.result.warnings = loader.document.warnings;
     find_children(loader);
-    load_integrator_of_scene(loader);
+    const Node* integrator = load_integrator_of_scene(loader);
     load_sensors(loader);
     load_objects(loader);
-    if (const Node* integrator = first_of(loader, "integrator"))
-        warn_short_paths(loader, *integrator);
+    if (integrator) warn_short_paths(loader, *integrator);
     std::vector<SceneSensor>& sensors = loader.result.scene.sensors;
     if (sensors.empty()) sensors.push_back(default_sensor(loader));
     use_first_sensor(loader.result.scene);

@@ -187,7 +187,7 @@ void read_children(Parser& parser, const Lines& lines, const pugi::xml_node& xml
     for (const pugi::xml_node& child : xml.children()) {
         if (child.type() != pugi::node_element) {
             if (!is_text_told)
-                parser.document.notes.push_back(
+                parser.document.warnings.push_back(
                     sentence(node.place, fmt::format("the text \"{:.40}\" inside <{}> is left out",
                                                      child.value(), node.tag)));
             is_text_told = true;

@@ -19,7 +19,7 @@ struct Document {
     std::filesystem::path top_folder;    ///< of the top-level scene: nothing outside is read
     std::filesystem::path named_folder;  ///< the same as the scene was named, behind a link another
     std::vector<std::filesystem::path> search_folders;  ///< <path>, in order
-    std::vector<std::string> notes;
+    std::vector<std::string> notes, warnings;
 };
 
 /// Reads a scene and its includes. `definitions` win over <default>. Throws InputError: malformed

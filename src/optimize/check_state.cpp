@@ -38,21 +38,22 @@ bool is_level(const LevelState& level, const Vec2<int>& size, int channels) {
            is_array_of(adam.visited, dirty_blocks_in(count));
 }
 
-/// Whether it is what make_state gives, or, after another search, a value of each texel.
+/// Whether it is the start, or, after another search, a value of each texel.
 bool is_initial(const std::vector<float>& initial, const std::vector<float>& of_start,
                 std::size_t floats, bool searched_again) {
     return initial == of_start || (searched_again && !of_start.empty() && initial.size() == floats);
 }
 
-bool is_pyramid(const Setup& setup, const UnknownTexture& unknown, const PyramidState& pyramid,
-                bool searched_again) {
-    const PyramidState start = encode(unknown.maps, unknown.start, keeps_start(setup, unknown));
+bool is_pyramid(const UnknownTexture& unknown, const PyramidState& pyramid, bool searched_again) {
+    const PyramidState start = encode(unknown.maps, unknown.start, true);
+    const bool asked = unknown.adam.weight_decay > 0;
     bool fits = pyramid.levels.size() == start.levels.size() &&
                 pyramid.visits.size() == start.visits.size();
     for (std::size_t i = 0; fits && i < start.levels.size(); ++i)
         fits = is_level(pyramid.levels[i], unknown.maps.sizes[i], unknown.start.channels) &&
-               is_initial(pyramid.levels[i].adam.initial, start.levels[i].adam.initial,
-                          start.levels[i].values.values.size(), searched_again);
+               ((!asked && pyramid.levels[i].adam.initial.empty()) ||
+                is_initial(pyramid.levels[i].adam.initial, start.levels[i].adam.initial,
+                           start.levels[i].values.values.size(), searched_again));
     return fits;
 }
 
@@ -246,8 +247,7 @@ void require_state_of(const Setup& setup, const State::Values& state) {
                 state.views.size() == setup.fitted.size() &&
                 state.pyramids.size() == setup.unknowns.size();
     for (std::size_t i = 0; fits && i < setup.unknowns.size(); ++i)
-        fits =
-            is_pyramid(setup, setup.unknowns[i], state.pyramids[i], !state.searched_again.empty());
+        fits = is_pyramid(setup.unknowns[i], state.pyramids[i], !state.searched_again.empty());
     for (std::size_t i = 0; fits && i < state.views.size(); ++i)
         fits = has_its_visits(setup, i, state) &&
                (own_bands(setup, i).empty() || is_view_state(setup, i, state));

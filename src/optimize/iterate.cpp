@@ -180,7 +180,8 @@ State::Values make_state(const Setup& setup) {
     State::Values state;
     for (const std::size_t view : setup.fitted) state.views.push_back(make_view_state(setup, view));
     for (const UnknownTexture& u : setup.unknowns) {
-        state.pyramids.push_back(encode(u.maps, u.start, keeps_start(setup, u)));
+        const bool keeps_start = u.adam.weight_decay > 0 || setup.options.search_again > 0;
+        state.pyramids.push_back(encode(u.maps, u.start, keeps_start));
         state.theta.textures.push_back({u.texture, decode(u.maps, state.pyramids.back())});
         state.searched.push_back(u.start_kind == StartKind::kSearched ? copy_of(u.start) : Image{});
     }

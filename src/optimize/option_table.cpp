@@ -198,8 +198,7 @@ constexpr OptionRow kTable[] = {
       .sentence =
           "What becomes of texels that no sample visited: filled from their surroundings, or "
           "kept as the last search or the start has them; those of a start that is an image, or "
-          "that known "
-          "textures guided, are kept"},
+          "that known textures guided, are kept"},
      of_options<&Options::unvisited>(),
      kNoImageStart},
     {{.name = "search_again",

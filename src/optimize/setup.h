@@ -40,12 +40,6 @@ struct Setup {
     std::vector<UnknownTexture> unknowns = {};
 };
 
-/// Whether a state holds where a texture started, or what a later search has put in its place:
-/// weight decay asks for it, and so do texels that are not visited.
-inline bool keeps_start(const Setup& setup, const UnknownTexture& unknown) {
-    return unknown.adam.weight_decay > 0 || setup.options.search_again > 0;
-}
-
 inline const Scene& scene_of(const Setup& setup) { return setup.problem.renderer.data().scene(); }
 
 /// As a view sees it.

@@ -313,8 +313,11 @@ TEST_F(CommandLine, CheckGradientFindsADerivativeThatLacks) {
     const Parameter mirror =
         loaded.scene.parameters[require_parameter(loaded.scene, "mat.specular_reflectance")];
     const Theta theta{{{mirror.texture, make_image(1, 1, 3, 0.5f)}}};
-    const auto checks = check_gradient({}, prepare(loaded.scene), theta);
-    EXPECT_EQ(checks.front().agreement, Agreement::kDisagree);
+    for (const int max_depth : {2, kUnboundedDepth}) {  // no path is so long that roulette ends it
+        loaded.scene.max_depth = max_depth;
+        const auto checks = check_gradient({}, prepare(loaded.scene), theta);
+        EXPECT_EQ(checks.front().agreement, Agreement::kDisagree) << max_depth;
+    }
     write_image(folder / "ones.exr", make_image(16, 16, 3, 1.0f));
     for (const char* command : {"check-gradient ", "gradient --adjoint ones.exr -o g.exr "})
         expect_refused(command + std::string("mirror.xml --parameter mat.specular_reflectance"), 65,

@@ -305,10 +305,9 @@ TEST(Language, TextBetweenElementsIsLeftOut) {
     const TemporaryFolder folder;
     const LoadedScene loaded = load_text(
         folder, kLight + "\n<shape type='disk'>> todo <bsdf type='diffuse'/><![CDATA[x]]></shape>");
-    EXPECT_TRUE(loaded.warnings.empty()) << loaded.warnings[0];
     EXPECT_EQ(loaded.scene.shapes.size(), 1u);
-    EXPECT_TRUE(mentions(loaded.notes, "scene.xml:3:1: the text \"> todo \" inside <shape>"));
-    EXPECT_FALSE(mentions(loaded.notes, "\"x\"")) << "one for each element";
+    ASSERT_EQ(loaded.warnings.size(), 1u) << "one for each element";
+    EXPECT_TRUE(mentions(loaded.warnings, "scene.xml:3:1: the text \"> todo \" inside <shape>"));
 }
 
 TEST(Language, PassesThatVolpathDoesNotCountAreSaid) {
@@ -330,6 +329,9 @@ TEST(Language, PassesThatVolpathDoesNotCountAreSaid) {
     EXPECT_FALSE(warns("volpath", "-1", null));
     EXPECT_FALSE(warns("path", "3", null));
     EXPECT_FALSE(warns("volpath", "3", "<bsdf type='diffuse'/>"));
+    EXPECT_FALSE(
+        warns("volpath", "3", "<bsdf type='diffuse'/></shape>" + null + "<shape type='disk'>"))
+        << "nothing shows it";
 }
 
 TEST(Language, LeftoversOfOldScenesNeedNoWord) {
