@@ -33,7 +33,7 @@ def complaints(entry: dict[str, str]) -> str:
 def main() -> int:
     build, *parts = sys.argv[1:] or ["build/release"]
     entries = [e for e in json.loads(pathlib.Path(build, "compile_commands.json").read_text())
-               if not any(other in e["file"] for other in ("cmake_pch", "nanobind"))
+               if not any(other in e["file"] for other in ("cmake_pch", "nanobind")) and not e["file"].endswith(".c")
                and (not parts or any(part in e["file"] for part in parts))]
     wrong = 0
     with concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as pool:
