@@ -21,15 +21,7 @@ bool holds(const Box& box, const Vec3f& p) {
 }
 
 /// Whether light is refracted into it.
-bool is_glass(const Bsdf& bsdf) {
-    return match(
-        bsdf, [](const Diffuse&) { return false; },
-        [](const Principled& b) { return b.has_spec_trans; },
-        [](const Conductor&) { return false; }, [](const RoughConductor&) { return false; },
-        [](const Plastic&) { return false; }, [](const RoughPlastic&) { return false; },
-        [](const Dielectric& b) { return !b.thin; }, [](const RoughDielectric&) { return true; },
-        [](const PrincipledThin&) { return false; });
-}
+bool is_glass(const Bsdf& bsdf) { return transmits(bsdf) && !is_sheet(bsdf); }
 
 bool holds_glass(const Scene& scene, MaterialId material) {
     return std::ranges::any_of(shown_parts(scene, material),

@@ -271,12 +271,6 @@ void set_emission(GltfJson& json, const Rgbf& radiance) {
     json["extensions"]["KHR_materials_emissive_strength"] = {{"emissiveStrength", strength}};
 }
 
-/// Has no inside and is seen from both sides.
-bool is_sheet(const Bsdf& bsdf) {
-    const auto* glass = std::get_if<Dielectric>(&bsdf);
-    return (glass && glass->thin) || std::holds_alternative<PrincipledThin>(bsdf);
-}
-
 /// Gives what refers to textures, an object with their coordinates, other indices.
 void renumber_textures(GltfJson& json, const std::vector<int>& indices) {
     if (json.contains("texCoord"))

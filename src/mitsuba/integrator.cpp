@@ -70,10 +70,7 @@ void load_integrator(Loader& loader, const Node& node) {
 
 void warn_short_paths(Loader& loader, const Node& integrator) {
     const Scene& scene = loader.result.scene;
-    const auto is_pane = [&](BsdfId id) {
-        const auto* glass = std::get_if<Dielectric>(&scene[id]);
-        return glass && glass->thin;
-    };
+    const auto is_pane = [&](BsdfId id) { return pane_of(scene[id]) != nullptr; };
     const auto has_pane = [&](const Shape& shape) {
         return shape.material && std::ranges::any_of(bsdfs_of(scene, shape.material), is_pane);
     };

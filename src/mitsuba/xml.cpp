@@ -319,9 +319,8 @@ fs::path resolve_file(const Document& document, const Place& place, const std::s
     if (name.empty() || name.find('\0') != std::string::npos)
         fail(place, "the file name is empty, expected a file");
     std::vector<fs::path> folders(document.search_folders.rbegin(), document.search_folders.rend());
-    for (const fs::path& folder :
-         {document.named_folder, document.top_folder, fs::path(place.file).parent_path()})
-        folders.push_back(folder);
+    folders.insert(folders.end(), {document.named_folder, document.top_folder,
+                                   fs::path(place.file).parent_path()});
     bool any_inside = false;
     for (const fs::path& folder : folders) {
         const fs::path candidate = folder / name;

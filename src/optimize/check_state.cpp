@@ -19,10 +19,6 @@ bool has_shape(const Image& image, int width, int height, int channels) {
            is_whole(image);
 }
 
-bool has_shape_of(const Image& image, const Image& other) {
-    return has_shape(image, other.width, other.height, other.channels);
-}
-
 /// An array with one entry for each of something, or not made yet.
 template <class T>
 bool is_array_of(const std::vector<T>& array, std::size_t size) {
@@ -241,6 +237,10 @@ bool is_view_state(const Setup& setup, std::size_t which, const State::Values& s
 }
 
 }  // namespace
+
+bool has_shape_of(const Image& image, const Image& other) {
+    return has_shape(image, other.width, other.height, other.channels);
+}
 
 void require_state_of(const Setup& setup, const State::Values& state) {
     bool fits = is_theta(setup, state.theta) && is_searched(setup, state.searched) &&

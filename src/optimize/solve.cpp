@@ -53,10 +53,8 @@ std::unique_ptr<Solver::Impl> make_run(Setup setup, State::Values state, SearchR
 void take_starts(const State::Values& state, Setup& setup) {
     for (std::size_t i = 0; i < std::min(setup.unknowns.size(), state.searched.size()); ++i) {
         UnknownTexture& u = setup.unknowns[i];
-        const Image& searched = state.searched[i];
-        if (u.start_kind == StartKind::kSearched && searched.width == u.start.width &&
-            searched.height == u.start.height && searched.channels == u.start.channels)
-            u.start = searched;
+        if (u.start_kind == StartKind::kSearched && has_shape_of(state.searched[i], u.start))
+            u.start = state.searched[i];
     }
 }
 

@@ -123,8 +123,8 @@ void see_lights(const TraceInput& input, std::size_t count, const RayLanes& rays
 
 /// The share of a ray that a surface lets through straight on, as if it were not there.
 float passed_share(const Bsdf& bsdf, float cosine) {
-    const auto* pane = std::get_if<Dielectric>(&bsdf);
-    if (!pane || !pane->thin) return 0;
+    const Dielectric* pane = pane_of(bsdf);
+    if (!pane) return 0;
     const float r = fresnel_dielectric(std::abs(cosine), pane->eta).reflectance;
     return 1 - 2 * r / (1 + r);
 }

@@ -90,8 +90,7 @@ std::size_t free_constant(Scene& scene, const ConstantParameter& constant, const
         static_cast<std::size_t>(bitmap.width) * static_cast<std::size_t>(bitmap.height);
     if (texels * static_cast<std::size_t>(bitmap.channels) > kMaxImageValues)
         throw InputError(
-            fmt::format("{}: found {} x {} texels of {} channels, expected at most {} "
-                        "values",
+            fmt::format("{}: found {} x {} texels of {} channels, expected at most {} values",
                         sized.name, bitmap.width, bitmap.height, bitmap.channels, kMaxImageValues));
     for (const ConstantParameter& c : all)
         if (!is_one) require_coordinates(scene, c);

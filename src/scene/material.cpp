@@ -65,6 +65,10 @@ bool transmits(const Bsdf& bsdf) {
         [](const PrincipledThin&) { return true; });
 }
 
+bool is_sheet(const Bsdf& bsdf) {
+    return pane_of(bsdf) || std::holds_alternative<PrincipledThin>(bsdf);
+}
+
 bool mixes_channels(const Bsdf& bsdf) {
     return match(
         bsdf, [](const Diffuse&) { return false; },

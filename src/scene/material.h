@@ -178,7 +178,6 @@ struct PrincipledThin {
 ///   shading/bsdf.h              its parameters, and eval / sample / pdf on a scalar type T
 ///   paths/traced_scene.cpp      whether it is black whatever the light
 ///   cli/blender_script.cpp, models/gltf_material.cpp   what other programs get of it
-///   cli/findings_space.cpp      whether it is glass
 /// The compiler does not name:
 ///   mitsuba/bsdfs.cpp           its reader, and its name in kSupported: there, kinds are strings
 ///   docs/reference/mitsuba.md   its row
@@ -254,6 +253,13 @@ constexpr DeltaLobes delta_lobes(const PrincipledThin&) { return DeltaLobes::kNo
 
 /// Whether light passes through the surface: its back is not black.
 bool transmits(const Bsdf& bsdf);
+/// The pane that it is, which lets light straight through; null: it is none.
+inline const Dielectric* pane_of(const Bsdf& bsdf) {
+    const auto* glass = std::get_if<Dielectric>(&bsdf);
+    return glass && glass->thin ? glass : nullptr;
+}
+/// Whether it has no inside and is seen from both sides.
+bool is_sheet(const Bsdf& bsdf);
 /// Whether a channel of its value depends on more than one channel of its colour.
 bool mixes_channels(const Bsdf& bsdf);
 
