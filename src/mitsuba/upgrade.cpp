@@ -126,8 +126,7 @@ std::string snake_case(const std::string& name) {
             continue;
         }
         result += '_';
-        for (; i < name.size() && is_upper(name[i]); ++i)
-            result += static_cast<char>(std::tolower(static_cast<unsigned char>(name[i])));
+        for (; i < name.size() && is_upper(name[i]); ++i) result += lower_case(name[i]);
         --i;
     }
     return result;

@@ -3,12 +3,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cctype>
 #include <charconv>
 #include <cmath>
 #include <string_view>
 #include <type_traits>
 
+#include "core/lower_case.h"
 #include "core/parsed.h"
 
 namespace burnish {
@@ -213,7 +213,7 @@ std::string placeholder(const OptionInfo& info) {
     } else if constexpr (is_arithmetic_value<T>) {
         if (info.range.integer) return "N";
         std::string unit = *info.unit ? info.unit : "X";
-        for (char& c : unit) c = static_cast<char>(std::toupper(static_cast<unsigned char>(c)));
+        for (char& c : unit) c = upper_case(c);
         return unit;
     } else if constexpr (is_string<T>) {
         return *info.unit ? info.unit : "TEXT";
