@@ -122,12 +122,13 @@ void gather_emitters(Tracer& t, const PointBsdfs& bsdfs, std::uint32_t bounce) {
     });
 }
 
-/// With which probability paths of these throughputs go on.
+/// With which probability paths of these throughputs go on. NaN where a throughput is not finite:
+/// all of those do, and ends_here counts them.
 Packet survival(const Tracer& t, const Rgb<Packet>& throughput, const Packet& eta) {
-    // In an order of operands that keeps NaN: ends_here counts such paths.
-    const Packet largest = max(throughput.z, max(throughput.y, throughput.x)) * eta * eta;
-    return min(Packet(kMaxSurvival),
-               max(Packet(t.input.keep_black ? kMinSurvival : 0.0f), largest));
+    const Packet largest = max(throughput.x, max(throughput.y, throughput.z)) * eta * eta;
+    const Packet not_finite = Packet(0.0f) * (throughput.x + throughput.y + throughput.z);
+    return min(Packet(kMaxSurvival), max(Packet(t.input.keep_black ? kMinSurvival : 0.0f),
+                                         largest + not_finite));  // the second operand's NaN stays
 }
 
 /// Of the samples of sixteen lanes.

@@ -125,5 +125,28 @@ TEST(NonFiniteTrace, PathsThatBounceAreKeptOrCounted) {
             }
 }
 
+/// Paths are black or not finite from the second point on, and see no light before.
+TEST(NonFiniteTrace, EachPathOfAThroughputThatIsNotFiniteIsCounted) {
+    for (int channel = 0; channel < 3; ++channel)
+        for (const float value : {kNan, kInfinity}) {
+            Diffuse diffuse;
+            diffuse.reflectance.constant = {0.5f, 0.5f, 0.5f};
+            diffuse.reflectance.constant[channel] = value;
+            Scene scene = test::make_small_scene();
+            scene.bsdfs = {diffuse};
+            scene.materials = {{"floor", {0}, {0}}};
+            const auto quad = [](float z) {
+                return test::make_quad({-100, -100, z}, {200, 0, 0}, {0, 200, 0});
+            };
+            scene.shapes = {{"floor", quad(0), {0}, {}}, {"below", quad(-1), {0}, {}}};
+            scene.emitters = {PointEmitter{{0, 0, -2}, {1, 1, 1}}};
+            scene.max_depth = 4, scene.rr_depth = 1;
+            const Traced traced = trace(scene, prepare(scene));
+            const auto samples = std::size_t{40} * kBatchSamples;
+            EXPECT_EQ(traced.rejected, samples) << channel << ", " << value;
+            EXPECT_EQ(traced.rejected_radiance, samples) << channel << ", " << value;
+        }
+}
+
 }  // namespace
 }  // namespace burnish
