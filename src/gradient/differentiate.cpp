@@ -12,11 +12,10 @@ namespace {
 
 constexpr std::size_t kMaxInputs = kBsdfInputs + kMaxShares;
 
-/// The inputs of a BSDF that read an unknown, and df / d(input) times |cos| for each. Shares follow
-/// kBsdfInputs.
+/// df / d(input) times |cos| by the inputs of a BSDF that read an unknown, then by its shares, in
+/// the order of RecordShader's lists.
 struct InputDerivatives {
-    int count = 0;
-    std::array<int, kMaxInputs> input{};
+    std::size_t count = 0;
     std::array<Rgbf, kMaxInputs> df{};
 };
 
@@ -61,44 +60,22 @@ template <int N>
 void add_derivatives(const auto& bsdf, const BsdfInputs<float>& values, RecordShader::Seeds kind,
                      std::span<const int> seeds, const PathRecord& record, InputDerivatives& out) {
     const auto f = eval_seeded<N>(bsdf, seeded<N>(values, seeds), kind, record);
-    for (std::size_t k = 0; k < seeds.size(); ++k) {
-        const auto i = static_cast<std::size_t>(out.count++);
-        out.input[i] = seeds[k];
-        out.df[i] = {f.x.d[k], f.y.d[k], f.z.d[k]};
-    }
-}
-
-/// The places in the row that read an unknown, in order.
-struct Seeds {
-    std::array<int, kBsdfInputs> place;
-    std::size_t count = 0;
-};
-
-Seeds find_seeds(const Binding& binding, const auto& bsdf) {
-    Seeds seeds;
-    int place = 0;
-    const auto add = [&](TextureId id, int channels) {
-        for (int c = 0; c < channels; ++c, ++place)
-            if (binding.slot_of(id) >= 0) seeds.place[seeds.count++] = place;
-    };
-    for (const ColorInput& color : colors_of(bsdf)) add(color.texture, 3);
-    for (const ScalarInput& scalar : scalars_of(bsdf)) add(scalar.texture, 1);
-    return seeds;
+    for (std::size_t k = 0; k < seeds.size(); ++k)
+        out.df[out.count++] = {f.x.d[k], f.y.d[k], f.z.d[k]};
 }
 
 InputDerivatives input_derivatives(const DerivativeInput& in, const auto& bsdf,
-                                   RecordShader::Seeds kind, const PathRecord& record) {
+                                   const RecordShader& shader, const PathRecord& record) {
     const BsdfInputs<float> values = bsdf_inputs(in.binding->textures, bsdf, record.uv);
-    const Seeds seeds = find_seeds(*in.binding, bsdf);
     // Derivatives are carried forward four at a time: one vector register; a single one costs less
     // alone.
     InputDerivatives out;
-    const std::span<const int> all(seeds.place.data(), seeds.count);
+    const std::span<const int> all = shader.unknown_inputs;
     if (all.size() == 1) {
-        add_derivatives<1>(bsdf, values, kind, all, record, out);
+        add_derivatives<1>(bsdf, values, shader.kind, all, record, out);
     } else {
         for (std::size_t first = 0; first < all.size(); first += 4)
-            add_derivatives<4>(bsdf, values, kind,
+            add_derivatives<4>(bsdf, values, shader.kind,
                                all.subspan(first, std::min<std::size_t>(4, all.size() - first)),
                                record, out);
     }
@@ -106,16 +83,12 @@ InputDerivatives input_derivatives(const DerivativeInput& in, const auto& bsdf,
 }
 
 /// f is linear in the reflectance, and each channel depends on its own alone.
-InputDerivatives input_derivatives(const DerivativeInput& in, const Diffuse& bsdf,
-                                   RecordShader::Seeds, const PathRecord& record) {
-    if (in.binding->slot_of(bsdf.reflectance.texture) < 0) return {};
+InputDerivatives input_derivatives(const DerivativeInput&, const Diffuse&,
+                                   const RecordShader& shader, const PathRecord& record) {
+    if (shader.unknown_inputs.empty()) return {};
     const DiffuseParameters<float> white{{1, 1, 1}};
     const float f = eval_diffuse(white, record.wi_local, record.wo_local).x;
-    InputDerivatives out;
-    out.count = 3;
-    out.input = {0, 1, 2};
-    out.df = {{{f, 0, 0}, {0, f, 0}, {0, 0, f}}};
-    return out;
+    return {3, {{{f, 0, 0}, {0, f, 0}, {0, 0, f}}}};
 }
 
 /// The BSDF's value times |cos|; one where it is within the light of the path. at: a PathRecord or
@@ -145,14 +118,10 @@ void share_out(const DerivativeInput& in, const RecordShader& shader, const Path
             if (k != left_out) product *= share[k];
         return product;
     };
-    for (std::size_t i = 0; i < static_cast<std::size_t>(inputs.count); ++i)
-        inputs.df[i] = inputs.df[i] * others(count);
+    for (std::size_t i = 0; i < inputs.count; ++i) inputs.df[i] = inputs.df[i] * others(count);
     const Rgbf value = value_of(*in.binding, shader, record);
-    for (std::size_t k = 0; k < count; ++k) {
-        const auto i = static_cast<std::size_t>(inputs.count++);
-        inputs.input[i] = static_cast<int>(kBsdfInputs + k);
-        inputs.df[i] = value * (shader.shares[k].second ? others(k) : -others(k));
-    }
+    for (std::size_t k = 0; k < count; ++k)
+        inputs.df[inputs.count++] = value * (shader.shares[k].second ? others(k) : -others(k));
 }
 
 /// Derivative of the loss by one input, and the luminance of its parts by the channels of the
@@ -254,20 +223,17 @@ Rgbf adjoint_of(const DerivativeInput& in, const PathRecord& record) {
 void scatter_all(const DerivativeInput& in, const PathRecord& record, const Weights& weights,
                  TexelDerivatives& out) {
     if (is_black(weights.target.value_or(weights.derivative))) return;
-    const Bsdf& bsdf = in.binding->scene()[record.bsdf];
     const RecordShader& shader = in.binding->shader(record.bsdf);
     InputDerivatives inputs = std::visit(
-        [&](const auto& b) { return input_derivatives(in, b, shader.kind, record); }, bsdf);
+        [&](const auto& b) { return input_derivatives(in, b, shader, record); }, *shader.bsdf);
     if (!shader.shares.empty()) share_out(in, shader, record, inputs);
-    for (std::size_t i = 0; i < static_cast<std::size_t>(inputs.count); ++i) {
-        const auto place = static_cast<std::size_t>(inputs.input[i]);
-        const bool is_share = place >= kBsdfInputs;
-        const TextureId texture = is_share ? shader.shares[place - kBsdfInputs].weight
-                                           : texture_at(bsdf, inputs.input[i]);
-        if (is_share || scalar_at(bsdf, inputs.input[i]))
-            scatter_scalar(in, record, texture, weights, inputs.df[i], out);
-        else if (inputs.input[i] % 3 == 0)
-            scatter_color(in, record, texture, weights, {&inputs.df[i], 3}, out);
+    const Rgbf* df = inputs.df.data();
+    for (const UnknownInput& u : shader.unknowns) {
+        if (u.is_color)
+            scatter_color(in, record, u.texture, weights, {df, 3}, out);
+        else
+            scatter_scalar(in, record, u.texture, weights, *df, out);
+        df += u.is_color ? 3 : 1;
     }
 }
 

@@ -16,7 +16,7 @@ void add_input(const TextureId& texture, int input, std::span<const int> slots,
     list.push_back(input);
     if (is_color) list.insert(list.end(), {input + 1, input + 2});
     if (slot < 0) return;
-    shader.unknowns.push_back({texture, slot, input, is_color});
+    shader.unknowns.push_back({texture, slot, is_color});
     shader.mixes_channels = mixes_channels(*shader.bsdf);
     if (!is_color)
         shader.seeds.push_back(input);
@@ -42,8 +42,7 @@ void add_shares(std::span<const BlendShare> shares, std::span<const int> slots,
     for (const BlendShare& share : shares) {
         const int slot = slots[static_cast<std::size_t>(share.weight.value)];
         if (slot < 0) continue;
-        const int place = static_cast<int>(kBsdfInputs + shader.shares.size());
-        shader.unknowns.push_back({share.weight, slot, place, false});
+        shader.unknowns.push_back({share.weight, slot, false});
         shader.shares.push_back(share);
     }
     BURNISH_REQUIRE(shader.shares.size(), <=, kMaxShares);

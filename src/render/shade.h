@@ -17,8 +17,7 @@ namespace burnish {
 /// An input of a BSDF that reads an unknown, or a share of it that does.
 struct UnknownInput {
     TextureId texture;
-    int slot = 0;   ///< index into the optimised textures
-    int input = 0;  ///< its place in the BSDF's row (scene/material.h); shares follow kBsdfInputs
+    int slot = 0;  ///< index into the optimised textures
     bool is_color = false;
 };
 
@@ -27,7 +26,7 @@ struct RecordShader {
     const Bsdf* bsdf = nullptr;
     const TextureTable* textures = nullptr;
     std::array<float, kBsdfInputs> constants{};
-    std::vector<UnknownInput> unknowns;
+    std::vector<UnknownInput> unknowns;  ///< in order of unknown_inputs, then of shares
     std::vector<int> unknown_inputs;  ///< places that read optimised textures; a colour has three
     /// Places that read other textures: looked up once, kept with records.
     std::vector<int> constant_inputs;
