@@ -136,17 +136,15 @@ std::vector<BatchSample> choose_samples(const Film& film, std::span<const float>
     const std::vector<Tile> tiles = make_tiles(film, kTile);
     std::vector<std::vector<BatchSample>> parts(tiles.size());
     parallel_for(tiles.size(), [&](std::size_t i) {
-        for_pixels_in_blocks(tiles[i], [&](int x, int y) {
-            const auto pixel =
-                static_cast<std::uint32_t>((tiles[i].y0 + y) * film.crop_width + tiles[i].x0 + x);
-            if (!(expected[pixel] > 0)) return;
+        for (const std::uint32_t pixel : marked_pixels(tiles[i], {}, film.crop_width)) {
+            if (!(expected[pixel] > 0)) continue;
             const auto u = uniforms({seed, Stream::kAdaptive}, pixel, iteration, 0);
             const auto count = std::min(
                 passes, static_cast<std::uint32_t>(double{expected[pixel]} + double{u[0]}));
             const auto first = static_cast<std::uint32_t>(u[1] * static_cast<float>(passes));
             for (std::uint32_t k = 0; k < count; ++k)
                 parts[i].push_back({{pixel, iteration, (first + k) % passes}});
-        });
+        }
     });
     std::vector<BatchSample> samples;
     for (const auto& part : parts) samples.insert(samples.end(), part.begin(), part.end());

@@ -68,6 +68,22 @@ std::vector<Tile> make_tiles(const Film& film, int side) {
     return tiles;
 }
 
+std::uint16_t pixel_in(const Tile& tile, std::uint32_t pixel, int film_width) {
+    const int x = static_cast<int>(pixel) % film_width - tile.x0;
+    const int y = static_cast<int>(pixel) / film_width - tile.y0;
+    return static_cast<std::uint16_t>(y * tile.width + x);
+}
+
+std::vector<std::uint32_t> marked_pixels(const Tile& tile, std::span<const char> marks,
+                                         int film_width) {
+    std::vector<std::uint32_t> pixels;
+    for_pixels_in_blocks(tile, [&](int x, int y) {
+        const auto pixel = static_cast<std::uint32_t>((tile.y0 + y) * film_width + tile.x0 + x);
+        if (marks.empty() || marks[pixel]) pixels.push_back(pixel);
+    });
+    return pixels;
+}
+
 void splat_pass(const Tile& tile, const std::array<FilterTaps, 2>& taps, const float* pass,
                 std::vector<float>& scratch, float* sum) {
     // Along y first: rows of the result from rows of the pass; then every row along x, from a

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cstdint>
 #include <span>
 #include <vector>
 
@@ -16,6 +17,10 @@ namespace burnish {
 struct Tile {
     int x0 = 0, y0 = 0, width = 0, height = 0;
 };
+
+/// A pixel of the film within a tile: y * tile width + x. film_width: pixels of the image that the
+/// tile is a part of.
+std::uint16_t pixel_in(const Tile& tile, std::uint32_t pixel, int film_width);
 
 /// What each of some tiles adds to an image: [height + 2 halo, width + 2 halo, 3], or nothing.
 using TileImages = std::vector<std::vector<float>>;
@@ -33,6 +38,11 @@ void for_pixels_in_blocks(const Tile& tile, const Body& body) {
             for (int y = by; y < std::min(by + kBlock, tile.height); ++y)
                 for (int x = bx; x < std::min(bx + kBlock, tile.width); ++x) body(x, y);
 }
+
+/// The pixels of a tile that are marked, as places in the film, in the order of tracing. marks: of
+/// each pixel of the film; empty: all are.
+std::vector<std::uint32_t> marked_pixels(const Tile& tile, std::span<const char> marks,
+                                         int film_width);
 
 /// Adds a pass of the tile, [height, width, 3], convolved with the filter, to `sum`, which reaches
 /// the filter's halo beyond the tile: [height + 2 halo, width + 2 halo, 3]. scratch is overwritten.

@@ -11,13 +11,6 @@ std::uint32_t cell(float x, float cells) {
     return static_cast<std::uint32_t>(std::clamp((x * 0.5f + 0.5f) * cells, 0.0f, cells - 1));
 }
 
-/// A pixel of the film within a tile.
-std::uint16_t pixel_in(const Tile& tile, std::uint32_t pixel, int film_width) {
-    const int x = static_cast<int>(pixel) % film_width - tile.x0;
-    const int y = static_cast<int>(pixel) / film_width - tile.y0;
-    return static_cast<std::uint16_t>(y * tile.width + x);
-}
-
 void store(std::array<LaneValues, 3>& to, std::size_t lane, const Rgbf& value) {
     for (std::size_t c = 0; c < 3; ++c) to[c][lane] = value[static_cast<int>(c)];
 }

@@ -16,50 +16,31 @@ namespace {
 constexpr int kTile = 16;             // pixels on a side: the unit of work of a thread
 constexpr std::uint32_t kGroup = 16;  // passes that are traced together
 
-/// A group's samples of a tile in the order of tracing: all passes of a pixel follow one another,
-/// so that a packet's rays start together and meet neighbouring points.
-struct TileSample {
-    int x = 0, y = 0;        ///< within the tile
-    std::uint32_t pass = 0;  ///< within the group
-};
-
-std::vector<TileSample> tile_samples(const Tile& tile, const Passes& passes, int film_width) {
-    std::vector<TileSample> samples;
-    samples.reserve(static_cast<std::size_t>(tile.width * tile.height) * passes.count);
-    for_pixels_in_blocks(tile, [&](int x, int y) {
-        const auto pixel = static_cast<std::size_t>((tile.y0 + y) * film_width + tile.x0 + x);
-        if (!passes.only.empty() && !passes.only[pixel]) return;
-        for (std::uint32_t pass = 0; pass < passes.count; ++pass) samples.push_back({x, y, pass});
-    });
-    return samples;
-}
-
 /// What is found for each sample of a batch; the number of rejected samples.
 using TraceBatch = std::size_t (*)(const TraceInput&, std::span<const BatchSample>,
                                    std::span<Rgbf>);
 
 /// What each sample of a group of passes brings: radiance[pass] is [height, width] of the tile.
-/// Returns the number of rejected samples.
+/// All passes of a pixel follow one another, so that a packet's rays start together and meet
+/// neighbouring points. Returns the number of rejected samples.
 std::size_t trace_group(const TraceInput& input, TraceBatch trace_batch, const Tile& tile,
-                        const Passes& group, std::vector<std::vector<Rgbf>>& radiance) {
-    const std::vector<TileSample> all = tile_samples(tile, group, input.scene->film.crop_width);
-    const std::span<const TileSample> order = all;
-    const auto film_width = static_cast<std::uint32_t>(input.scene->film.crop_width);
+                        std::span<const std::uint32_t> pixels, const Passes& group,
+                        std::vector<std::vector<Rgbf>>& radiance) {
     std::array<BatchSample, kBatchSamples> samples;
     std::array<Rgbf, kBatchSamples> traced;
+    const std::size_t all = pixels.size() * group.count;
+    const int film_width = input.scene->film.crop_width;
     std::size_t rejected = 0;
-    for (std::size_t begin = 0; begin < order.size(); begin += kBatchSamples) {
-        const auto batch =
-            order.subspan(begin, std::min<std::size_t>(kBatchSamples, order.size() - begin));
-        for (std::size_t i = 0; i < batch.size(); ++i)
-            samples[i].camera = {static_cast<std::uint32_t>(tile.y0 + batch[i].y) * film_width +
-                                     static_cast<std::uint32_t>(tile.x0 + batch[i].x),
-                                 group.iteration, group.first + batch[i].pass};
-        rejected +=
-            trace_batch(input, {samples.data(), batch.size()}, {traced.data(), batch.size()});
-        for (std::size_t i = 0; i < batch.size(); ++i) {
-            const auto at = static_cast<std::size_t>(batch[i].y * tile.width + batch[i].x);
-            radiance[batch[i].pass][at] = traced[i];
+    for (std::size_t begin = 0; begin < all; begin += kBatchSamples) {
+        const std::size_t count = std::min<std::size_t>(kBatchSamples, all - begin);
+        for (std::size_t i = 0; i < count; ++i)
+            samples[i].camera = {
+                pixels[(begin + i) / group.count], group.iteration,
+                group.first + static_cast<std::uint32_t>((begin + i) % group.count)};
+        rejected += trace_batch(input, {samples.data(), count}, {traced.data(), count});
+        for (std::size_t i = 0; i < count; ++i) {
+            const CameraSample& s = samples[i].camera;
+            radiance[s.pass - group.first][pixel_in(tile, s.pixel, film_width)] = traced[i];
         }
     }
     return rejected;
@@ -77,7 +58,8 @@ TileSum render_tile(const TraceInput& input, TraceBatch trace_batch, const Tile&
                     const Passes& passes, std::span<const std::array<FilterTaps, 2>> taps,
                     const AfterGroup& after_group) {
     const int halo = taps[0][0].halo;
-    if (tile_samples(tile, {0, 0, 1, passes.only}, input.scene->film.crop_width).empty()) {
+    const auto pixels = marked_pixels(tile, passes.only, input.scene->film.crop_width);
+    if (pixels.empty()) {
         after_group(passes.count);
         return {};
     }
@@ -91,7 +73,7 @@ TileSum render_tile(const TraceInput& input, TraceBatch trace_batch, const Tile&
     for (std::uint32_t p = 0; p < passes.count; p += kGroup) {
         const std::uint32_t count = std::min(kGroup, passes.count - p);
         const Passes group{passes.iteration, passes.first + p, count, passes.only};
-        sum.rejected += trace_group(input, trace_batch, tile, group, radiance);
+        sum.rejected += trace_group(input, trace_batch, tile, pixels, group, radiance);
         for (std::uint32_t k = 0; k < count; ++k)
             splat_pass(tile, taps[p + k], &radiance[k][0].x, scratch, sum.values.data());
         after_group(count);

@@ -12,17 +12,6 @@ namespace burnish {
 
 namespace {
 
-/// Pixels of a tile that are marked, in the order of tracing.
-std::vector<std::uint32_t> marked_pixels(const Tile& tile, const std::vector<char>& marks,
-                                         int width) {
-    std::vector<std::uint32_t> pixels;
-    for_pixels_in_blocks(tile, [&](int x, int y) {
-        const auto pixel = static_cast<std::uint32_t>((tile.y0 + y) * width + tile.x0 + x);
-        if (marks[pixel]) pixels.push_back(pixel);
-    });
-    return pixels;
-}
-
 /// The least tile that holds these pixels: convolutions have no work to do around them.
 Tile bounding_box(std::span<const std::uint32_t> pixels, int width) {
     int x0 = width, x1 = 0, y0 = std::numeric_limits<int>::max(), y1 = 0;
