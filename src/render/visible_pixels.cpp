@@ -16,9 +16,7 @@ namespace {
 /// Pixels by which a projection is enlarged: far above its rounding.
 constexpr double kMargin = 1.0 / 64;
 
-struct Point {
-    double x = 0, y = 0, z = 0;
-};
+using Point = Vec3<double>;
 
 Point divided(const Point& p) { return {p.x / p.z, p.y / p.z, p.z}; }
 
@@ -26,28 +24,28 @@ Point divided(const Point& p) { return {p.x / p.z, p.y / p.z, p.z}; }
 /// orthographic camera, which has no way to the eye, z stays 1.
 class Projection {
   public:
-    explicit Projection(const TracedScene& view) : eye_(wide(view.camera.eye)) {
+    explicit Projection(const TracedScene& view) : eye_(to_double(view.camera.eye)) {
         const CameraRays& c = view.camera;
         const Film& film = view.film;
-        const Point across = wide(c.across), down = wide(c.down), corner = wide(c.corner);
-        const double across2 = inner(across, across), down2 = inner(down, down);
-        const double corner_x = inner(corner, across) / across2;
-        const double corner_y = inner(corner, down) / down2;
+        const Point across = to_double(c.across), down = to_double(c.down),
+                    corner = to_double(c.corner);
+        const double across2 = length_squared(across), down2 = length_squared(down);
+        const double corner_x = dot(corner, across) / across2;
+        const double corner_y = dot(corner, down) / down2;
         const double left = corner_x * film.width + film.crop_x;
         const double top = corner_y * film.height + film.crop_y;
-        x_ = {film.width / across2, across}, y_ = {film.height / down2, down};
+        x_.normal = across * (film.width / across2), y_.normal = down * (film.height / down2);
         if (c.kind == CameraKind::kOrthographic) {
             x_.constant = -left, y_.constant = -top, z_.constant = 1;
             return;
         }
-        const Point forward = plus(plus(corner, -corner_x, across), -corner_y, down);
-        x_.normal = plus(x_.normal, -left, forward);
-        y_.normal = plus(y_.normal, -top, forward);
-        z_.normal = forward;
+        z_.normal = corner - across * corner_x - down * corner_y;
+        x_.normal = x_.normal - z_.normal * left;
+        y_.normal = y_.normal - z_.normal * top;
     }
 
     Point operator()(const Vec3f& world) const {
-        const Point v{world.x - eye_.x, world.y - eye_.y, world.z - eye_.z};
+        const Point v = to_double(world) - eye_;
         return {x_(v), y_(v), z_(v)};
     }
 
@@ -56,18 +54,9 @@ class Projection {
         Point normal;
         double constant = 0;
 
-        Affine() = default;
-        Affine(double scale, const Point& p) : normal(plus({}, scale, p)) {}
-        double operator()(const Point& v) const { return inner(normal, v) + constant; }
+        double operator()(const Point& v) const { return dot(normal, v) + constant; }
     };
 
-    static Point wide(const Vec3f& v) { return {v.x, v.y, v.z}; }
-    static double inner(const Point& a, const Point& b) {
-        return a.x * b.x + a.y * b.y + a.z * b.z;
-    }
-    static Point plus(const Point& a, double scale, const Point& b) {
-        return {a.x + scale * b.x, a.y + scale * b.y, a.z + scale * b.z};
-    }
     Point eye_;
     Affine x_, y_, z_;
 };
