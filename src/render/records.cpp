@@ -25,6 +25,28 @@ void store(VertexBlock& block, std::size_t lane, const ChainVertex& v) {
     store(block.onward, lane, v.onward);
 }
 
+/// Packs items in order, BSDF by BSDF, and says which blocks are whose. bsdf_of(i): none where the
+/// item is left out. put(i, block, lane) fills a lane of the last block.
+template <class Block>
+void pack_runs(std::size_t count, const auto& bsdf_of, const auto& put, std::vector<Block>& blocks,
+               std::vector<RecordRun>& runs) {
+    std::vector<BsdfId> bsdfs;  // in order of appearance: a tile sees few
+    for (std::size_t i = 0; i < count; ++i)
+        if (bsdf_of(i) && std::find(bsdfs.begin(), bsdfs.end(), bsdf_of(i)) == bsdfs.end())
+            bsdfs.push_back(bsdf_of(i));
+    for (const BsdfId bsdf : bsdfs) {
+        const auto begin = static_cast<std::uint32_t>(blocks.size());
+        std::size_t lane = kLanes;
+        for (std::size_t i = 0; i < count; ++i) {
+            if (bsdf_of(i) != bsdf) continue;
+            if (lane == kLanes) blocks.emplace_back(), lane = 0;
+            put(i, blocks.back(), lane++);
+        }
+        runs.push_back({bsdf, begin, static_cast<std::uint32_t>(blocks.size())});
+    }
+    blocks.shrink_to_fit();
+}
+
 }  // namespace
 
 std::uint32_t pack_direction(const Vec3f& d) {
@@ -36,28 +58,20 @@ std::uint32_t pack_direction(const Vec3f& d) {
 TileRecords pack_records(std::span<const DirectSample> direct_samples, const Tile& tile,
                          int film_width) {
     TileRecords records;
-    std::vector<BsdfId> bsdfs;  // in order of appearance: a tile sees few
-    for (const DirectSample& d : direct_samples)
-        if (d.has_unknowns && std::find(bsdfs.begin(), bsdfs.end(), d.record.bsdf) == bsdfs.end())
-            bsdfs.push_back(d.record.bsdf);
-    for (const BsdfId bsdf : bsdfs) {
-        const auto begin = static_cast<std::uint32_t>(records.blocks.size());
-        std::size_t lane = kLanes;
-        for (const DirectSample& d : direct_samples) {
-            if (!d.has_unknowns || d.record.bsdf != bsdf) continue;
-            if (lane == kLanes) records.blocks.emplace_back(), lane = 0;
-            RecordBlock& block = records.blocks.back();
-            const PathRecord& r = d.record;
-            block.pixel[lane] = pixel_in(tile, r.pixel, film_width);
-            block.u[lane] = r.uv.x, block.v[lane] = r.uv.y;
-            block.wi[lane] = pack_direction(r.wi_local);
-            block.wo[lane] = pack_direction(r.wo_local);
-            store(block.radiance_over_pdf, lane, r.radiance_over_pdf);
-            ++lane, ++records.count;
-        }
-        records.runs.push_back({bsdf, begin, static_cast<std::uint32_t>(records.blocks.size())});
-    }
-    records.blocks.shrink_to_fit();
+    const auto bsdf_of = [&](std::size_t i) {
+        const DirectSample& d = direct_samples[i];
+        return d.has_unknowns ? d.record.bsdf : BsdfId{};
+    };
+    const auto put = [&](std::size_t i, RecordBlock& block, std::size_t lane) {
+        const PathRecord& r = direct_samples[i].record;
+        block.pixel[lane] = pixel_in(tile, r.pixel, film_width);
+        block.u[lane] = r.uv.x, block.v[lane] = r.uv.y;
+        block.wi[lane] = pack_direction(r.wi_local);
+        block.wo[lane] = pack_direction(r.wo_local);
+        store(block.radiance_over_pdf, lane, r.radiance_over_pdf);
+        ++records.count;
+    };
+    pack_runs(direct_samples.size(), bsdf_of, put, records.blocks, records.runs);
     return records;
 }
 
@@ -66,27 +80,17 @@ TileRecords pack_chains(const ChainOutput& chains, std::span<const BatchSample> 
     TileRecords records;
     records.count = static_cast<std::uint32_t>(chains.vertices.size());
     records.chains.resize(chains.vertices.size());
-    std::vector<BsdfId> bsdfs;  // in order of appearance
-    for (const ChainVertex& v : chains.vertices)
-        if (std::find(bsdfs.begin(), bsdfs.end(), v.bsdf) == bsdfs.end()) bsdfs.push_back(v.bsdf);
-    for (const BsdfId bsdf : bsdfs) {
-        const auto begin = static_cast<std::uint32_t>(records.vertices.size());
-        std::uint32_t lane = kLanes;
-        for (std::size_t i = 0; i < chains.vertices.size(); ++i) {
-            const ChainVertex& v = chains.vertices[i];
-            if (v.bsdf != bsdf) continue;
-            if (lane == kLanes) records.vertices.emplace_back(), lane = 0;
-            const std::uint32_t pixel = samples[static_cast<std::size_t>(v.sample)].camera.pixel;
-            records.vertices.back().pixel[lane] = pixel_in(tile, pixel, film_width);
-            store(records.vertices.back(), lane, v);
-            const auto block = static_cast<std::uint32_t>(records.vertices.size() - 1);
-            records.chains[i] = {2 * (block * kLanes + lane)};
-            ++lane;
-        }
-        records.runs.push_back({bsdf, begin, static_cast<std::uint32_t>(records.vertices.size())});
-    }
+    const auto bsdf_of = [&](std::size_t i) { return chains.vertices[i].bsdf; };
+    const auto put = [&](std::size_t i, VertexBlock& block, std::size_t lane) {
+        const ChainVertex& v = chains.vertices[i];
+        const std::uint32_t pixel = samples[static_cast<std::size_t>(v.sample)].camera.pixel;
+        block.pixel[lane] = pixel_in(tile, pixel, film_width);
+        store(block, lane, v);
+        const std::size_t place = (records.vertices.size() - 1) * kLanes + lane;
+        records.chains[i] = {static_cast<std::uint32_t>(2 * place)};
+    };
+    pack_runs(chains.vertices.size(), bsdf_of, put, records.vertices, records.runs);
     for (const Chain& chain : chains.chains) ++records.chains[chain.end - 1].word;
-    records.vertices.shrink_to_fit();
     return records;
 }
 
