@@ -7,6 +7,7 @@
 #include <memory>
 #include <vector>
 
+#include "paths/hit.h"
 #include "scene/scene.h"
 
 namespace burnish {
@@ -27,6 +28,9 @@ struct HitPacket {
     alignas(64) std::array<std::int32_t, kPacketRays> shape, primitive;
     alignas(64) std::array<float, kPacketRays> distance, u, v;
 };
+inline Hit hit_of(const HitPacket& h, std::size_t lane) {
+    return {h.shape[lane], h.primitive[lane], h.distance[lane], h.u[lane], h.v[lane]};
+}
 
 /// Packets whose lanes start together and point the same way are told apart from scattered ones.
 enum class Coherence { kCoherent, kIncoherent };

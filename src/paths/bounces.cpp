@@ -240,8 +240,7 @@ void trace_onward(Tracer& t) {
             const std::size_t i = lanes.at[k], s = t.w.points.sample[i];
             set(rays.rays.origin, s, get(d.rays.origin, i));
             set(rays.rays.direction, s, get(d.rays.direction, i));
-            rays.shape[s] = hits.shape[k], rays.primitive[s] = hits.primitive[k];
-            rays.distance[s] = hits.distance[k], rays.u[s] = hits.u[k], rays.v[s] = hits.v[k];
+            set_hit(rays, s, hit_of(hits, k));
             prefetch(traced.geometry->triangles, hits.shape[k], hits.primitive[k]);
         }
     }

@@ -66,11 +66,14 @@ inline ColumnIndices indices(const ActiveList& list, std::size_t first) {
     return r;
 }
 
-inline Packet gather(const Column& lane, const ColumnIndices& i) {
-    return gather(&lane[0], &i.at[0]);
+/// Sixteen lanes, by their indices.
+inline Packet gather(const Column& lane, const std::uint16_t* at) { return gather(&lane[0], at); }
+inline Vec3<Packet> gather(const ColumnVec3& v, const std::uint16_t* at) {
+    return {gather(v.x, at), gather(v.y, at), gather(v.z, at)};
 }
+inline Packet gather(const Column& lane, const ColumnIndices& i) { return gather(lane, &i.at[0]); }
 inline Vec3<Packet> gather(const ColumnVec3& v, const ColumnIndices& i) {
-    return {gather(v.x, i), gather(v.y, i), gather(v.z, i)};
+    return gather(v, &i.at[0]);
 }
 inline void scatter(Column& to, const ColumnIndices& i, const Packet& p) {
     float values[kLanes];

@@ -25,9 +25,8 @@ inline RayPacket packet_of(const Vec3f& origin, const Vec3f& direction, float ma
 
 inline Hit first_hit(const Accel& accel, const Vec3f& origin, const Vec3f& direction,
                      float max_distance = std::numeric_limits<float>::infinity()) {
-    const HitPacket h =
-        accel.intersect(packet_of(origin, direction, max_distance), Coherence::kIncoherent);
-    return {h.shape[0], h.primitive[0], h.distance[0], h.u[0], h.v[0]};
+    return hit_of(
+        accel.intersect(packet_of(origin, direction, max_distance), Coherence::kIncoherent), 0);
 }
 
 inline bool is_occluded(const Accel& accel, const Vec3f& origin, const Vec3f& direction,

@@ -107,12 +107,8 @@ Mask to_mask(const PacketLanes& lanes) {
 void find_on_sphere(const Sphere& sphere, const RayLanes& rays, std::size_t i,
                     const PacketLanes& lanes, PointLanes& points) {
     const std::uint16_t* samples = &points.sample[i];
-    const auto gathered = [&](const ColumnVec3& v) {
-        return Vec3<Packet>{gather(&v.x[0], samples), gather(&v.y[0], samples),
-                            gather(&v.z[0], samples)};
-    };
-    const Vec3<Packet> near = gathered(rays.rays.origin) +
-                              gathered(rays.rays.direction) * gather(&rays.distance[0], samples);
+    const Vec3<Packet> near = gather(rays.rays.origin, samples) +
+                              gather(rays.rays.direction, samples) * gather(rays.distance, samples);
     const SurfaceOf<Packet> s = sphere_surface(sphere, axes_of(sphere), near);
     const Mask mask = to_mask(lanes);
     const auto put_lanes = [&](ColumnVec3& to, const Vec3<Packet>& v) {
@@ -139,10 +135,7 @@ void find_without_triangles(const TracedScene& traced, const RayLanes& rays, std
         if (!lanes[k]) continue;
         const Sphere* const sphere = sphere_of(k);
         if (!sphere) {
-            const std::size_t s = points.sample[i + k];
-            put(surface_at(*traced.scene, traced.geometry->triangles, hit_of(rays, s),
-                           get(rays.rays.origin, s), get(rays.rays.direction, s)),
-                i + k, points);
+            put(surface_of(traced, rays, points.sample[i + k]), i + k, points);
             continue;
         }
         PacketLanes same{};
@@ -168,9 +161,8 @@ void find_surfaces(const TracedScene& traced, const RayLanes& rays, std::size_t 
     if (std::ranges::all_of(others, std::identity{}))
         put(SurfaceOf<Packet>{}, i, points);
     else
-        put(triangle_surface(gather(records), gather(&rays.u[0], samples),
-                             gather(&rays.v[0], samples)),
-            i, points);
+        put(triangle_surface(gather(records), gather(rays.u, samples), gather(rays.v, samples)), i,
+            points);
     if (std::ranges::any_of(others, std::identity{}))
         find_without_triangles(traced, rays, i, others, points);
 }
@@ -198,10 +190,7 @@ void turn_normals(const TraceInput& input, const RayLanes& rays, PointLanes& poi
 
 /// Directions back along the rays, and the sides that they meet.
 void face_ray(const TracedScene& traced, const RayLanes& rays, std::size_t i, PointLanes& points) {
-    const std::uint16_t* samples = &points.sample[i];
-    const ColumnVec3& d = rays.rays.direction;
-    const Vec3<Packet> direction{gather(&d.x[0], samples), gather(&d.y[0], samples),
-                                 gather(&d.z[0], samples)};
+    const Vec3<Packet> direction = gather(rays.rays.direction, &points.sample[i]);
     Vec3<Packet> wi = to_local(load_frame(points, i), -direction);
     PacketLanes has_sides;
     for (std::size_t k = 0; k < has_sides.size(); ++k)

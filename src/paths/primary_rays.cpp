@@ -136,12 +136,11 @@ bool pass_pane(const TraceInput& input, const SeenBsdfs& seen, std::size_t i, Ra
     if (!seen[i]) return false;  // black
     const Scene& scene = *input.scene->scene;
     const Vec3f direction = get(rays.rays.direction, i);
-    const Hit hit = hit_of(rays, i);
-    const Surface s = surface_at(scene, input.scene->geometry->triangles, hit,
-                                 get(rays.rays.origin, i), direction);
+    const Surface s = surface_of(*input.scene, rays, i);
     const auto& map = scene[seen.shown[i].material].normals;
-    const TurnedFrame turned = map ? turned_frame(*map, scene, *input.textures, hit, s, direction)
-                                   : TurnedFrame{s.shading, s.shading.n};
+    const TurnedFrame turned =
+        map ? turned_frame(*map, scene, *input.textures, hit_of(rays, i), s, direction)
+            : TurnedFrame{s.shading, s.shading.n};
     const float share = passed_share(scene[seen[i]], dot(turned.shading.n, direction));
     if (share <= 0) return false;
     passed *= share;
@@ -174,8 +173,7 @@ void pass_panes(const TraceInput& input, std::size_t count, RayLanes& rays, Colu
             const HitPacket hits = input.scene->geometry->accel.intersect(gather(rays.rays, lanes),
                                                                           Coherence::kIncoherent);
             for (std::size_t k = 0; k < static_cast<std::size_t>(lanes.live); ++k)
-                set_hit(rays, lanes.at[k],
-                        {hits.shape[k], hits.primitive[k], hits.distance[k], hits.u[k], hits.v[k]});
+                set_hit(rays, lanes.at[k], hit_of(hits, k));
         }
     }
 }

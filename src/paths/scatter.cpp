@@ -69,7 +69,7 @@ void find_emitting_shapes(const TracedScene& traced, const PointLanes& points, S
                 if (infinite) kept.add(i);
                 continue;
             }
-            const Hit hit{hits.shape[k], hits.primitive[k], hits.distance[k], hits.u[k], hits.v[k]};
+            const Hit hit = hit_of(hits, k);
             const EmissionSample e = emission_at_hit(*traced.lights, hit, get(points.position, i),
                                                      get(d.rays.direction, i));
             if (is_black(e.radiance)) continue;

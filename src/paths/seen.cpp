@@ -4,11 +4,6 @@ namespace burnish {
 
 namespace {
 
-Surface surface_of(const TracedScene& traced, const RayLanes& rays, std::size_t i) {
-    return surface_at(*traced.scene, traced.geometry->triangles, hit_of(rays, i),
-                      get(rays.rays.origin, i), get(rays.rays.direction, i));
-}
-
 MaterialId shape_material(const Scene& scene, const RayLanes& rays, std::size_t i) {
     return scene.shapes[static_cast<std::size_t>(rays.shape[i])].material;
 }
@@ -39,6 +34,11 @@ BsdfId seen_bsdf(const TraceInput& input, const Material& material, const RayLan
 }
 
 }  // namespace
+
+Surface surface_of(const TracedScene& traced, const RayLanes& rays, std::size_t i) {
+    return surface_at(*traced.scene, traced.geometry->triangles, hit_of(rays, i),
+                      get(rays.rays.origin, i), get(rays.rays.direction, i));
+}
 
 SeenBsdfs seen_bsdfs(const TraceInput& input, std::size_t count, const RayLanes& rays) {
     const Scene& scene = *input.scene->scene;

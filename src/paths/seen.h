@@ -24,6 +24,9 @@ inline void set_hit(RayLanes& r, std::size_t i, const Hit& hit) {
     r.distance[i] = hit.distance, r.u[i] = hit.u, r.v[i] = hit.v;
 }
 
+/// The surface that a ray has met.
+Surface surface_of(const TracedScene& traced, const RayLanes& rays, std::size_t i);
+
 inline LayeredPoint layered_point(const RayLanes& rays, std::size_t i, const Vec2f& uv) {
     return {get(rays.rays.origin, i), get(rays.rays.direction, i), uv};
 }
