@@ -14,14 +14,6 @@ struct SinCos {
     T sin{}, cos{};
 };
 
-/// c[0] + c[1] x + c[2] x^2 ...
-template <class T, std::size_t N>
-T polynomial(const T& x, const std::array<float, N>& c) {
-    T sum(c[N - 1]);
-    for (std::size_t k = N - 1; k-- > 0;) sum = sum * x + T(c[k]);
-    return sum;
-}
-
 /// sin(2 pi turns) and cos(2 pi turns). Absolute error below 2e-7 for |turns| <= 1.
 template <class T>
 SinCos<T> sin_cos_turns(const T& turns) {

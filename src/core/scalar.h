@@ -88,22 +88,26 @@ T safe_divide(const T& numerator, const T& denominator) {
     return select(zero, T(0.0f), numerator / select(zero, T(1.0f), denominator));
 }
 
+/// c[0] + c[1] x + c[2] x^2 ...
+template <class T, std::size_t N>
+T polynomial(const T& x, const std::array<float, N>& c) {
+    T sum(c[N - 1]);
+    for (std::size_t k = N - 1; k-- > 0;) sum = sum * x + T(c[k]);
+    return sum;
+}
+
 /// x with erf(x) = y, -1 < y < 1, to 1e-6 of it [Giles 2010].
 template <class U>
 U inverse_erf(const U& y) {
+    constexpr std::array<float, 9> kMiddle{1.50140941f,     0.246640727f,    -0.00417768164f,
+                                           -0.00125372503f, 0.00021858087f,  -4.39150654e-06f,
+                                           -3.5233877e-06f, 3.43273939e-07f, 2.81022636e-08f};
+    constexpr std::array<float, 9> kTails{2.83297682f,    1.00167406f,     0.00943887047f,
+                                          -0.0076224613f, 0.00573950773f,  -0.00367342844f,
+                                          0.00134934322f, 0.000100950558f, -0.000200214257f};
     const U w = -log((U(1.0f) - y) * (U(1.0f) + y));
-    const auto polynomial = [](const U& t, const std::array<float, 9>& coefficients) {
-        U sum(coefficients[0]);
-        for (std::size_t i = 1; i < coefficients.size(); ++i) sum = U(coefficients[i]) + sum * t;
-        return sum;
-    };
-    const U middle = polynomial(
-        w - U(2.5f), {2.81022636e-08f, 3.43273939e-07f, -3.5233877e-06f, -4.39150654e-06f,
-                      0.00021858087f, -0.00125372503f, -0.00417768164f, 0.246640727f, 1.50140941f});
-    const U tails =
-        polynomial(sqrt(max(w, U(0.0f))) - U(3.0f),
-                   {-0.000200214257f, 0.000100950558f, 0.00134934322f, -0.00367342844f,
-                    0.00573950773f, -0.0076224613f, 0.00943887047f, 1.00167406f, 2.83297682f});
+    const U middle = polynomial(w - U(2.5f), kMiddle);
+    const U tails = polynomial(sqrt(max(w, U(0.0f))) - U(3.0f), kTails);
     return y * select(w < U(5.0f), middle, tails);
 }
 
