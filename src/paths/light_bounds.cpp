@@ -31,12 +31,6 @@ Cone cone_of(std::span<const TriangleRecord> triangles) {
     return cone.cos_spread > 0 ? cone : Cone{};
 }
 
-/// A mesh without triangles has a place, too.
-Box filled_box(Box box) {
-    if (box.empty()) box.include(Vec3f{});
-    return box;
-}
-
 }  // namespace
 
 float luminance_of_magnitude(const Rgbf& c) {
@@ -46,7 +40,6 @@ float luminance_of_magnitude(const Rgbf& c) {
 
 LightBounds area_light_bounds(const Geometry& geometry, std::span<const TriangleRecord> triangles,
                               const Rgbf& radiance, float area) {
-    const Box box = filled_box(box_of(geometry));
     const Cone cone = match(
         geometry, [&](const Mesh&) { return cone_of(triangles); },
         [](const Sphere&) { return Cone{}; },
@@ -55,7 +48,7 @@ LightBounds area_light_bounds(const Geometry& geometry, std::span<const Triangle
             return Cone{disk.flip_normals ? -n : n, 1};
         },
         [](const Cylinder&) { return Cone{}; }, [](const Instance&) { return Cone{}; });
-    return {box, cone.axis, cone.cos_spread,
+    return {box_of(geometry), cone.axis, cone.cos_spread,
             luminance_of_magnitude(radiance) * area * mean_cosine(cone.cos_spread)};
 }
 
@@ -91,7 +84,7 @@ Vec3f middle_of_lit_shapes(const Scene& scene) {
     float count = 0;
     for (const Shape& shape : scene.shapes) {
         if (shape.emitter) continue;
-        sum += filled_box(box_of(scene, shape)).center(), ++count;
+        sum += box_of(scene, shape).center(), ++count;
     }
     return count > 0 ? sum * (1 / count) : sum;
 }
