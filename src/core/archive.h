@@ -97,9 +97,16 @@ class ArchiveReader {
     }
     std::uint64_t left() const { return size_ - at_; }
     /// Alternative `index` of a variant, where the index has been read already.
-    template <class Variant>
+    template <std::size_t I = 0, class Variant>
     void alternative(std::size_t index, Variant& v) {
-        read_alternative(index, v);
+        if constexpr (I < std::variant_size_v<Variant>) {
+            if (index == I)
+                read(v.template emplace<I>());
+            else
+                alternative<I + 1>(index, v);
+        } else {
+            fail("alternative " + std::to_string(index), "a known one");
+        }
     }
     [[noreturn]] void fail(const std::string& found, const std::string& expected) const {
         const std::string message =
@@ -130,17 +137,6 @@ class ArchiveReader {
                  "at most " + std::to_string(left() / least));
         return static_cast<std::size_t>(n);
     }
-    template <std::size_t I = 0, class Variant>
-    void read_alternative(std::size_t index, Variant& v) {
-        if constexpr (I < std::variant_size_v<Variant>) {
-            if (index == I)
-                read(v.template emplace<I>());
-            else
-                read_alternative<I + 1>(index, v);
-        } else {
-            fail("alternative " + std::to_string(index), "a known one");
-        }
-    }
     template <class T>
     void read(T& v) {
         if constexpr (kPlainBytes<T>) {
@@ -159,7 +155,7 @@ class ArchiveReader {
         } else if constexpr (requires { v.index(); }) {
             std::uint32_t index = 0;
             read(index);
-            read_alternative(index, v);
+            alternative(index, v);
         } else {
             fields(*this, v);
         }
