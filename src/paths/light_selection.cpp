@@ -88,10 +88,12 @@ double fine_uniform(const std::array<float, 4>& u) {
     return static_cast<double>(u[0]) + 0x1p-24 * static_cast<double>(scaled - std::floor(scaled));
 }
 
+bool has_tree(const LightSelector& s) { return !s.tree.splits.empty(); }
+
 /// The part of the choices that goes to infinity.
 template <class T>
 T share_of_infinite(const LightSelector& s, const Vec3<T>& position) {
-    if (s.infinite.empty() || !s.has_tree) return T(s.has_tree ? 0.0f : 1.0f);
+    if (s.infinite.empty() || !has_tree(s)) return T(has_tree(s) ? 0.0f : 1.0f);
     return bounded_share(T(s.infinite_irradiance), total_importance(s.tree, position));
 }
 
@@ -100,7 +102,7 @@ LightWalk begin_walk(const LightSelector& s, float share, double u) {
     LightWalk walk{u, {}, 0};
     const auto beyond = [&](double middle) { return walk.u >= middle; };
     const bool enters = walk.interval.enter(share, beyond);
-    if (enters && s.has_tree) {
+    if (enters && has_tree(s)) {
         walk.next = s.tree.root;
         return walk;
     }
@@ -156,8 +158,8 @@ void set_table(const EmitterSummary& emitters, LightSelector& s) {
 }
 
 void set_tree(const EmitterSummary& emitters, LightSelector& s) {
-    s.has_tree = !emitters.bounds.empty();
-    if (s.has_tree) s.tree = build_light_tree(emitters.bounds, emitters.emitter, emitters.count);
+    if (emitters.bounds.empty()) return;
+    s.tree = build_light_tree(emitters.bounds, emitters.emitter, emitters.count);
 }
 
 SelectedEmitter select_by_power(const LightSelector& s, const std::array<float, 4>& u,

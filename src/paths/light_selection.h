@@ -35,8 +35,7 @@ struct LightSelector {
     std::uint32_t emitters = 0;
     AliasTable by_power;                     ///< kPower, kResampled
     std::vector<float> inverse_probability;  ///< of each emitter by that table
-    LightTree tree;                          ///< kTree, of emitters at finite distance
-    bool has_tree = false;                   ///< there is one of these
+    LightTree tree;  ///< kTree, of emitters at finite distance; without splits: there is none
     /// An emitter at infinity, and the share of it in itself and those behind it: the last one's is
     /// 1.
     struct Infinite {
