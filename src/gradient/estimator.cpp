@@ -145,7 +145,8 @@ namespace {
 PixelStatistics* statistics(EstimatorState& state) {
     return match(
         state, [](PathCacheState&) -> PixelStatistics* { return nullptr; },
-        [](auto& s) -> PixelStatistics* { return &s.pixels; });
+        [](ReservoirsState& s) -> PixelStatistics* { return &s.pixels; },
+        [](MonteCarloState& s) -> PixelStatistics* { return &s.pixels; });
 }
 
 }  // namespace

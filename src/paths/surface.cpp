@@ -168,7 +168,9 @@ Tangents tangents_at(const Scene& scene, const Hit& hit, const Vec3f& position) 
                 return Tangents{transform_vector(instance.to_world, local.dp_du),
                                 transform_vector(instance.to_world, local.dp_dv)};
             },
-            [&](const auto& analytic) { return tangents_on(analytic, p); });
+            [&](const Sphere& sphere) { return tangents_on(sphere, p); },
+            [&](const Disk& disk) { return tangents_on(disk, p); },
+            [&](const Cylinder& cylinder) { return tangents_on(cylinder, p); });
     };
     return on(on, scene.shapes[static_cast<std::size_t>(hit.shape)].geometry, position);
 }
