@@ -287,10 +287,11 @@ void bind_problem(nb::module_& m) {
         m, "Problem",
         "Textures to recover from pictures of a scene.\n\nviews: a View, an image, a file, or a "
         "list of these. unknowns: a name, an Unknown, or a list of these. loss: of your\nown, "
-        "called with the image [height, width, 3] of a view and the number of the view; it returns "
-        "its value and the adjoint\ndL/dI [height, width, 3]. None: that of the options. ranks: "
-        "the processes that solve it together, each with the\nsame problem: see burnish.mpi. None: "
-        "this one alone.",
+        "called with the whole image [height, width, 3] of a view, times its exposure, and the "
+        "number of the view; it\nreturns its value and the adjoint dL/dI [height, width, 3]. The "
+        "view's mask counts in psnr alone: apply it in the\nloss. None: that of the options. "
+        "ranks: the processes that solve it together, each with the same problem: see\n"
+        "burnish.mpi. None: this one alone.",
         nb::type_slots(slots))
         .def(
             "__init__",

@@ -103,7 +103,9 @@ struct LossValue {
 };
 
 /// A loss of your own: of the image [height, width, 3], linear RGB, of a view, named by its place
-/// in Problem::views. Called from one thread. What it throws is thrown by the call that needs it.
+/// in Problem::views. It gets the whole image, times the view's exposure, and returns dL/dI of just
+/// that; the view's mask counts in psnr alone: apply it in the loss. Called from one thread. What
+/// it throws is thrown by the call that needs it.
 using LossFunction = std::function<LossValue(const Image& image, std::size_t view)>;
 
 /// Adam [Kingma and Ba 2015].

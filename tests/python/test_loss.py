@@ -1,4 +1,6 @@
 """Losses of one's own."""
+import warnings
+
 import numpy as np
 import pytest
 
@@ -35,6 +37,38 @@ def test_with_a_loss_of_ones_own_nothing_is_searched_or_fitted(renderer, target)
     assert (solver(target).textures[NAME] == 0.5).all() and "with a loss of your own 0.5" in " ".join(burnish.Unknown.__doc__.split())
     with pytest.raises(burnish.InputError, match="loss"):
         solver(burnish.View(target, exposure="fit"))
+
+
+def test_a_loss_gets_the_whole_image_times_the_exposure(renderer, target):
+    mask = np.ones((32, 32, 1), np.float32)
+    mask[:20] = 0
+    seen = []
+
+    def whole(image, view):
+        seen.append(image.copy())
+        return relative(target)(image, view)
+
+    def masked(image, view):
+        weight = mask / (target**2 + np.float32(0.01)) / target.size
+        return float(((image - target) ** 2 * weight).sum()), 2 * (image - target) * weight
+
+    def after_steps(loss, **view):
+        solver = solver_of(renderer, burnish.View(target, exposure=2, **view), loss)
+        return list(solver), solver
+
+    with pytest.warns(UserWarning, match="the masks of the views count in psnr alone, unless it applies them"):
+        _, own = after_steps(whole, mask=mask)
+    assert any(np.array_equal(image, 2 * own.image()) for image in seen)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        _, without = after_steps(whole, mask=np.ones((32, 32)))
+        iterations, built_in = after_steps(None, mask=mask)
+        applied, other = after_steps(masked)
+    np.testing.assert_array_equal(own.textures[NAME], without.textures[NAME])
+    assert own.evaluate(16).views[0].psnr != without.evaluate(16).views[0].psnr
+    assert [i.loss for i in applied] == pytest.approx([i.loss for i in iterations], rel=1e-5)
+    np.testing.assert_allclose(other.textures[NAME], built_in.textures[NAME], atol=2e-3)
+    assert np.abs(own.textures[NAME] - built_in.textures[NAME]).max() > 0.01
 
 
 def test_what_a_loss_raises_arrives_whole(renderer, target):
