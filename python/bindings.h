@@ -62,7 +62,8 @@ std::uint32_t to_count(nb::handle value, const char* name, std::uint32_t low,
 /// A path: text or os.PathLike.
 std::string to_path(nb::handle path);
 
-/// Textures by name: {name: array, or a number for all texels}; None: none.
+/// Textures by name: {name: array, or a number for all texels}; None: none. All of
+/// Renderer.parameters can be given: what says nothing new is left out.
 TextureValues to_textures(nb::handle textures, const Renderer& renderer);
 
 /// The texture that a name means, in any form; no texel is read. Throws InputError: there is none.

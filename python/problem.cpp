@@ -5,8 +5,6 @@
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/variant.h>
 
-#include <cmath>
-
 #include "burnish/error.h"
 #include "core/variant.h"
 #include "optimize/ranks.h"
@@ -80,27 +78,6 @@ std::optional<bool> as_bool(nb::handle value) {
     const std::string dtype = dtype_of(value);
     if ((dtype != "bool" && dtype != "torch.bool") || !has_no_dimension(value)) return {};
     return nb::cast<bool>(nb::object(value.attr("item")()));
-}
-
-TextureValues to_textures(nb::handle textures, const Renderer& renderer) {
-    TextureValues values;
-    if (textures.is_none()) return values;
-    if (!nb::hasattr(textures, "items"))
-        throw nb::type_error("textures: expected a mapping of names to arrays");
-    for (const nb::handle item : textures.attr("items")()) {
-        const std::string name = text_of(nb::object(item[0]));
-        const nb::object value = item[1];
-        if (const auto number = as_number(value, name)) {
-            if (!std::isfinite(*number))
-                throw InputError(name + ": found " + repr_of(value) + ", expected a finite number");
-            const ParameterInfo info = texture_info(renderer, name);
-            values[name] =
-                make_image(info.width, info.height, info.channels, static_cast<float>(*number));
-        } else {
-            values[name] = to_image(value, name);
-        }
-    }
-    return values;
 }
 
 namespace {

@@ -22,12 +22,6 @@
 
 namespace burnish::python {
 
-ParameterInfo texture_info(const Renderer& renderer, const std::string& name) {
-    const Scene& scene = renderer.data().scene();
-    const auto& bitmap = std::get<Bitmap>(scene[find_texture(scene, name)]);
-    return {name, bitmap.width, bitmap.height, bitmap.channels};
-}
-
 namespace {
 
 /// The textures of a renderer by name; each is read when it is asked for.
@@ -244,7 +238,8 @@ void bind_work(nb::class_<Renderer>& c) {
                   "numpy.typing.NDArray[numpy.float32]"),
           "The picture [height, width, 3], linear RGB radiance, of spp samples per pixel. "
           "textures: in the place of the\nscene's, {name: array}, or {name: number} for all "
-          "texels. The same bytes for any number of threads.");
+          "texels; those of two names of one texture are the same. The same\nbytes for any number "
+          "of threads.");
     c.def("gradient", gradient, nb::arg("adjoint"), nb::arg("parameters") = nb::none(),
           nb::arg("textures") = nb::none(), nb::arg("spp") = 64, nb::arg("seed") = 0,
           nb::sig("def gradient(self, adjoint: numpy.typing.ArrayLike, parameters: str | "

@@ -2,7 +2,7 @@
 from __future__ import annotations
 
 import operator
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from typing import SupportsIndex
 
 from ._core import InputError, Renderer
@@ -16,6 +16,15 @@ def check_kinds(renderer: object, textures: object) -> None:
         raise TypeError(f"renderer: expected a Renderer, found {type(renderer).__name__}")
     if not isinstance(textures, Mapping):
         raise TypeError(f"textures: expected a mapping from names, found {type(textures).__name__}")
+
+
+def check_names(renderer: Renderer, names: Iterable[str]) -> None:
+    """Each texture once: which of two names would have its gradient? Throws InputError."""
+    known: dict[str, str] = {}
+    for name in names:
+        other = known.setdefault(renderer.parameters.name(name), name)
+        if other != name:
+            raise InputError(f"the texture {name} is the same as {other}")
 
 
 def whole_number(name: str, value: SupportsIndex, low: int, high: int = 2**32 - 1) -> int:

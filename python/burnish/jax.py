@@ -5,7 +5,7 @@ As burnish.torch.render: the picture comes from fresh samples, and its derivativ
 from __future__ import annotations
 
 import functools
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -15,7 +15,7 @@ import numpy as np
 import numpy.typing as npt
 from jax.custom_derivatives import SymbolicZero
 
-from ._checks import MAX_PICTURE_SPP, check_kinds, full_shape, whole_number
+from ._checks import MAX_PICTURE_SPP, check_kinds, check_names, full_shape, whole_number
 from ._core import InputError, Renderer
 
 __all__ = ["render"]
@@ -91,15 +91,6 @@ def _check_type(name: str, dtype: np.dtype[Any]) -> None:
         raise TypeError(f"{name}: expected an array of numbers, found one of {dtype}")
 
 
-def _check_names(renderer: Renderer, names: Iterable[str]) -> None:
-    """As the renderer does: each texture once. Throws InputError."""
-    known: dict[str, str] = {}
-    for name in names:
-        other = known.setdefault(renderer.parameters.name(name), name)
-        if other != name:
-            raise InputError(f"the texture {name} is the same as {other}")
-
-
 def _full(renderer: Renderer, name: str, texture: jax.Array) -> jax.Array:
     """As large as the texture of the scene, so that its gradient fits; JAX sums up that of what was broadcast."""
     shape = full_shape(renderer, name, texture.shape)
@@ -137,7 +128,7 @@ def render(
     or a number of samples does not fit.
     """
     check_kinds(renderer, textures)
-    _check_names(renderer, textures)
+    check_names(renderer, textures)
     arrays = {name: _full(renderer, name, jnp.asarray(t)) for name, t in textures.items()}
     samples = whole_number("spp", spp, 1, MAX_PICTURE_SPP)
     own = samples if gradient_spp is None else whole_number("gradient_spp", gradient_spp, 1)

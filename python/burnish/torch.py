@@ -13,7 +13,7 @@ from typing import Any
 import numpy.typing as npt
 import torch
 
-from ._checks import MAX_PICTURE_SPP, check_kinds, full_shape, whole_number
+from ._checks import MAX_PICTURE_SPP, check_kinds, check_names, full_shape, whole_number
 from ._core import Renderer
 
 __all__ = ["render"]
@@ -92,6 +92,7 @@ def render(
     for name, texture in textures.items():
         if not isinstance(texture, torch.Tensor):
             raise TypeError(f"{name}: expected a tensor, found {type(texture).__name__}")
+    check_names(renderer, textures)
     samples, number = whole_number("spp", spp, 1, MAX_PICTURE_SPP), whole_number("seed", seed, 0)
     own = samples if gradient_spp is None else whole_number("gradient_spp", gradient_spp, 1)
     full = [_full(renderer, name, texture) for name, texture in textures.items()]

@@ -71,6 +71,30 @@ def test_textures_of_emitters_are_not_replaced(tmp_path):
         renderer.gradient(np.ones((8, 8, 3), np.float32), name, textures={name: 1.0}, spp=1)
 
 
+def test_all_parameters_can_be_given(tmp_path):
+    lamp = ('<point name="center" value="0, 3, 0"/><emitter type="area"><ref name="radiance" id="other"/></emitter>'
+            '<bsdf type="diffuse" id="lamp"><ref name="reflectance" id="other"/></bsdf>')
+    bsdfs = [f'<bsdf type="diffuse" id="{name}"><ref name="reflectance" id="color"/></bsdf>' for name in ("first", "second")]
+    renderer = scene_of(tmp_path, lamp, *bsdfs)
+    light, first, second = renderer.parameters
+    adjoint = np.ones((8, 8, 3), np.float32)
+    expected = renderer.gradient(adjoint, first, spp=1)[first]
+    burnish.write_model(tmp_path / "expected.glb", renderer)
+    everything = dict(renderer.parameters)
+    for textures in (renderer.parameters, everything):
+        np.testing.assert_array_equal(renderer.render(textures, spp=1), renderer.render(spp=1))
+        np.testing.assert_array_equal(renderer.gradient(adjoint, first, textures, spp=1)[first], expected)
+        burnish.write_model(tmp_path / "model.glb", renderer, textures)
+        assert (tmp_path / "model.glb").read_bytes() == (tmp_path / "expected.glb").read_bytes()
+    both = renderer.render({**everything, first: 0.2, second: 0.2}, spp=1)
+    np.testing.assert_array_equal(both, renderer.render({second: 0.2}, spp=1))
+    assert (both != renderer.render(spp=1)).any()
+    with pytest.raises(burnish.InputError, match="first.* and second.* are one texture"):
+        renderer.render({**everything, second: 0.2}, spp=1)
+    with pytest.raises(burnish.InputError, match="lamp.* is a texture that an emitter reads, too"):
+        renderer.render({**everything, light: 0.2}, spp=1)
+
+
 def test_all_that_can_be_recovered_is_differentiated(tmp_path):
     first, second = (f'<bsdf type="diffuse" id="{name}"><ref name="reflectance" id="color"/></bsdf>' for name in ("first", "second"))
     smooth = '<bsdf type="plastic" id="smooth"><ref name="diffuse_reflectance" id="other"/></bsdf>'

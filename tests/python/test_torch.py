@@ -168,6 +168,8 @@ def test_what_does_not_fit_is_said(renderer, torch):
         burnish.torch.render(renderer, texels)
     with pytest.raises(TypeError, match="^renderer: expected a Renderer, found str"):
         burnish.torch.render("scene.xml", {NAME: texels})
+    with pytest.raises(burnish.InputError, match=f"^the texture roughness is the same as {NAME}$"):
+        burnish.torch.render(renderer, {NAME: texels, "roughness": texels}, spp=1)
     with pytest.raises(TypeError, match=f"{NAME}: expected a tensor, found float"):
         burnish.torch.render(renderer, {NAME: 0.4}, spp=1)
     whole = {NAME: torch.ones(32, 32, dtype=torch.int32), "mat-goblet.base_color": torch.full((32, 32, 3), 0.4, dtype=torch.float64)}
