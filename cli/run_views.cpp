@@ -4,12 +4,10 @@
 
 #include <algorithm>
 
-#include "burnish/error.h"
 #include "cli/commands.h"
 #include "cli/console.h"
 #include "optimize/view_loss.h"
 #include "optimize/views.h"
-#include "scene/parameter_names.h"
 
 namespace burnish {
 
@@ -100,27 +98,16 @@ std::vector<CapturedView> named_views(const RunSettings& run,
     return {{{}, run.targets.empty() ? "" : run.targets.front(), run.mask}};
 }
 
-[[noreturn]] void refuse_held_out(const std::string& name, const std::vector<CapturedView>& views) {
-    std::vector<std::string> names;
-    for (const CapturedView& v : views)
-        if (!v.view.name.empty()) names.push_back(v.view.name);
-    const char* expected = names.empty() ? "they have no names" : "expected one of ";
-    throw InputError(
-        fmt::format("--hold-out: no view is named \"{}\": {}{}", name, expected, list_of(names)));
-}
-
 }  // namespace
 
 std::vector<CapturedView> views_of(const RunSettings& run, const std::optional<Capture>& capture) {
     std::vector<CapturedView> views = named_views(run, capture);
     if (!capture)
         for (CapturedView& v : views) v.view.exposure = *parse_exposure(run.exposure);
-    for (const std::string& name : run.held_out) {
-        const auto found = std::find_if(views.begin(), views.end(),
-                                        [&](const CapturedView& v) { return v.view.name == name; });
-        if (found == views.end()) refuse_held_out(name, views);
-        found->view.held_out = true;
-    }
+    std::vector<std::string> names;
+    for (const CapturedView& v : views) names.push_back(v.view.name);
+    for (const std::string& name : run.held_out)
+        views[find_view(names, name, "--hold-out")].view.held_out = true;
     return views;
 }
 

@@ -10,6 +10,7 @@
 #include "captures/pictures.h"
 #include "captures/views.h"
 #include "core/variant.h"
+#include "optimize/views.h"
 #include "python/arrays.h"
 #include "python/bindings.h"
 #include "python/work.h"
@@ -67,22 +68,44 @@ nb::tuple views_of(nb::handle self) {
     return nb::tuple(views);
 }
 
-PythonCapture read_whole_capture(nb::handle path, double scale) {
-    return compute([file = to_path(path), scale](const Flag& is_abandoned) {
-        Capture capture = read_capture(file);
-        return PythonCapture{std::move(capture.scene), std::move(capture.definitions),
-                             with_pictures(capture.views, scale, is_abandoned)};
-    });
+std::vector<std::string> to_view_names(nb::handle names) {
+    if (nb::isinstance<nb::str>(names)) return {text_of(names)};
+    const std::string expected = "held_out: expected names of views, found ";
+    if (!nb::hasattr(names, "__iter__")) throw type_error(expected + repr_of(names));
+    std::vector<std::string> all;
+    for (const nb::handle name : names) {
+        if (!nb::isinstance<nb::str>(name)) throw type_error(expected + repr_of(name));
+        all.push_back(text_of(name));
+    }
+    return all;
+}
+
+void hold_out(const std::vector<std::string>& held_out, std::vector<CapturedView>& views) {
+    std::vector<std::string> names;
+    for (const CapturedView& v : views) names.push_back(v.view.name);
+    for (const std::string& name : held_out)
+        views[find_view(names, name, "held_out")].view.held_out = true;
+}
+
+PythonCapture read_whole_capture(nb::handle path, double scale, nb::handle held_out) {
+    return compute(
+        [file = to_path(path), scale, names = to_view_names(held_out)](const Flag& is_abandoned) {
+            Capture capture = read_capture(file);
+            hold_out(names, capture.views);
+            return PythonCapture{std::move(capture.scene), std::move(capture.definitions),
+                                 with_pictures(capture.views, scale, is_abandoned)};
+        });
 }
 
 std::vector<View> read_all_views(nb::handle path, nb::handle images, double scale,
-                                 nb::handle exposure) {
+                                 nb::handle exposure, nb::handle held_out) {
     const Exposure of_all = to_exposure(exposure);
     return compute([file = to_path(path), folder = images.is_none() ? "" : to_path(images), scale,
-                    of_all](const Flag& is_abandoned) {
-        std::vector<View> views = with_pictures(read_views(file, folder), scale, is_abandoned);
-        for (View& view : views) view.exposure = of_all;
-        return views;
+                    of_all, names = to_view_names(held_out)](const Flag& is_abandoned) {
+        std::vector<CapturedView> views = read_views(file, folder);
+        for (CapturedView& v : views) v.view.exposure = of_all;
+        hold_out(names, views);
+        return with_pictures(views, scale, is_abandoned);
     });
 }
 
@@ -105,18 +128,24 @@ void bind_captures(nb::module_& m) {
                 return to_text(fmt::format("Capture('{}', {} views)", c.scene, c.views.size()));
             },
             nb::sig("def __repr__(self) -> str"));
-    m.def("read_capture", read_whole_capture, nb::arg("path"), nb::arg("scale") = 1.0,
-          nb::sig("def read_capture(path: str | os.PathLike[str], scale: float = 1.0) -> Capture"),
-          "Reads a capture.json with its pictures and masks. scale: of the pictures' size, in (0, "
-          "1].");
+    m.def(
+        "read_capture", read_whole_capture, nb::arg("path"), nb::arg("scale") = 1.0,
+        nb::arg("held_out").none() = nb::tuple(),
+        nb::sig("def read_capture(path: str | os.PathLike[str], scale: float = 1.0, held_out: "
+                "collections.abc.Iterable[str] = ()) -> Capture"),
+        "Reads a capture.json with its pictures and masks. scale: of the pictures' size, in (0, "
+        "1]. held_out: names of views\nthat are not fitted, but evaluated, besides those that the "
+        "file holds out.");
     m.def("read_views", read_all_views, nb::arg("path"), nb::arg("images") = nb::none(),
           nb::arg("scale") = 1.0, nb::arg("exposure") = 1.0,
+          nb::arg("held_out").none() = nb::tuple(),
           nb::sig("def read_views(path: str | os.PathLike[str], images: str | os.PathLike[str] | "
                   "None = None, scale: float = 1.0, exposure: numpy.typing.ArrayLike | "
-                  "typing.Literal['fit', 'fit_rgb'] = 1.0) -> list[View]"),
+                  "typing.Literal['fit', 'fit_rgb'] = 1.0, held_out: "
+                  "collections.abc.Iterable[str] = ()) -> list[View]"),
           "Reads the views of a COLMAP reconstruction (a folder) or a transforms.json, with their "
           "pictures. images: the folder\nof the pictures, which a reconstruction needs. "
-          "exposure: of all views.");
+          "exposure: of all views. held_out: names of views that are not fitted,\nbut evaluated.");
 }
 
 }  // namespace burnish::python

@@ -7,6 +7,7 @@
 
 #include "burnish/error.h"
 #include "burnish/photograph.h"
+#include "optimize/views.h"
 #include "python/arrays.h"
 #include "python/bindings.h"
 #include "python/work.h"
@@ -74,6 +75,17 @@ View make_view(nb::handle image, nb::handle mask, const std::string& name,
     return view;
 }
 
+/// Through its camera; the lights do not matter.
+View without_background(const Renderer& renderer, const View& view) {
+    return compute([renderer, masked = view](const Flag&) mutable {
+        naming_view(masked, 0, 1, [&] {
+            const bool is_renderers = masked.camera == ViewCamera{};
+            mask_background(is_renderers ? renderer : renderer.with_camera(masked.camera), masked);
+        });
+        return std::move(masked);
+    });
+}
+
 }  // namespace
 
 void bind_view(nb::module_& m) {
@@ -123,6 +135,11 @@ void bind_view(nb::module_& m) {
                                            v.image.height));
             },
             nb::sig("def __repr__(self) -> str"));
+    m.def("mask_background", without_background, nb::arg("renderer"), nb::arg("view"),
+          nb::sig("def mask_background(renderer: Renderer, view: View) -> View"),
+          "The view with the weight 0 for the pixels that show no surface of the scene, or the "
+          "edge of one, through its camera.\nThrows InputError: no other pixel is left, or each of "
+          "these has the weight 0.");
 }
 
 namespace {

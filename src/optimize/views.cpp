@@ -20,6 +20,7 @@
 #include "render/lens_pixels.h"
 #include "render/renderer.h"
 #include "render/visible_pixels.h"
+#include "scene/parameter_names.h"
 
 namespace burnish {
 
@@ -42,7 +43,7 @@ void check_exposure(const Problem& problem, const View& view) {
     }
 }
 
-void check_picture(const View& view, const Renderer& renderer) {
+void check_sizes(const View& view, const Renderer& renderer) {
     const std::string expected = size_text(renderer.width(), renderer.height()) + " pixels";
     require(
         fits(view.image, renderer) && view.image.channels == 3,
@@ -56,10 +57,12 @@ void check_picture(const View& view, const Renderer& renderer) {
                     "size, {}",
                     size_text(view.mask.width, view.mask.height), channels, expected));
     require_whole(view.image, "the target image");
-    if (view.mask.width != 0) {
-        require_whole(view.mask, "the mask");
-        require_weights(view.mask, "the mask");
-    }
+    if (view.mask.width != 0) require_whole(view.mask, "the mask");
+}
+
+void check_picture(const View& view, const Renderer& renderer) {
+    check_sizes(view, renderer);
+    if (view.mask.width != 0) require_weights(view.mask, "the mask");
     if (is_finite(view.image)) return;
     const Image zeros = make_image(view.image.width, view.image.height, 3);
     require_finite(
@@ -159,6 +162,7 @@ double mask_blind_pixels(const Renderer& renderer, View& view) {
 }
 
 double mask_background(const Renderer& renderer, View& view) {
+    check_sizes(view, renderer);
     const TracedScene& scene = renderer.data().traced;
     std::vector<char> pixels =
         visible_pixels(scene, std::vector<char>(scene.scene->bsdfs.size(), 1));
@@ -213,6 +217,17 @@ std::vector<int> owners_of_views(const Problem& problem, std::size_t batch) {
 
 std::string name_of(const View& view, std::size_t number) {
     return view.name.empty() ? fmt::format("view {}", number) : view.name;
+}
+
+std::size_t find_view(const std::vector<std::string>& names, const std::string& name,
+                      const std::string& option) {
+    if (const auto found = std::ranges::find(names, name); found != names.end())
+        return static_cast<std::size_t>(found - names.begin());
+    std::vector<std::string> named = names;
+    std::erase(named, "");
+    throw InputError(fmt::format(
+        "{}: no view is named \"{}\": {}", option, name,
+        named.empty() ? "they have no names" : "expected one of " + list_of(std::move(named))));
 }
 
 std::uint32_t seed_of_view(std::uint32_t seed, std::size_t view) {

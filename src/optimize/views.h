@@ -27,8 +27,8 @@ void check_pictures(const Problem& problem, const std::vector<Renderer>& views);
 double mask_blind_pixels(const Renderer& renderer, View& view);
 
 /// Gives the weight 0 to the pixels that show no surface of the scene, or the edge of one.
-/// renderer: of the view. Returns the share of the pixels. Throws InputError where no other one is
-/// left, or each of these has the weight 0.
+/// renderer: of the view. Returns the share of the pixels. Throws InputError where the image or the
+/// mask does not fit, no other pixel is left, or each of these has the weight 0.
 double mask_background(const Renderer& renderer, View& view);
 
 /// Throws InputError where there is none.
@@ -52,6 +52,11 @@ void naming_view(const View& view, std::size_t number, std::size_t views, const 
         throw InputError(name_of(view, number) + ": " + e.what());
     }
 }
+
+/// The view of that name; names: of all. Throws InputError, which names those there are, where
+/// there is none. option: that gives the name, in messages.
+std::size_t find_view(const std::vector<std::string>& names, const std::string& name,
+                      const std::string& option);
 
 /// A seed for the random numbers of each view; that of the first one is the run's.
 std::uint32_t seed_of_view(std::uint32_t seed, std::size_t view);

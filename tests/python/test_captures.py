@@ -81,6 +81,82 @@ def test_views_of_transforms(folder):
     np.testing.assert_array_equal(view.camera.camera_to_world, TO_WORLD)
 
 
+BOARD = """<scene version="3.0.0">
+    <integrator type="direct"/>
+    <sensor type="perspective"><film type="hdrfilm"/></sensor>
+    <emitter type="constant"/>
+    <shape type="rectangle"><bsdf type="diffuse" id="board"><texture type="bitmap" name="reflectance">
+        <string name="filename" value="color.exr"/><boolean name="raw" value="true"/></texture></bsdf></shape>
+</scene>"""
+TOWARDS = [[1, 0, 0, 0], [0, -1, 0, 0], [0, 0, -1, 5], [0, 0, 0, 1]]
+
+
+@pytest.fixture
+def board(tmp_path):
+    """A board before a sky, and two pictures of it with a sky of their own."""
+    burnish.write_image(tmp_path / "color.exr", np.full((4, 4, 3), 0.5, np.float32))
+    (tmp_path / "scene.xml").write_text(BOARD)
+    opengl = np.array(TOWARDS) * [1, -1, -1, 1]
+    frames = []
+    for name, sky in (("a.exr", 7), ("b.exr", 3)):
+        picture = np.full((20, 24, 3), 0.3, np.float32)
+        picture[0] = sky
+        burnish.write_image(tmp_path / name, picture)
+        frames.append({"file_path": name, "transform_matrix": opengl.tolist()})
+    (tmp_path / "transforms.json").write_text(json.dumps(
+        {"fl_x": 36, "fl_y": 36, "cx": 12, "cy": 10, "w": 24, "h": 20, "frames": frames}))
+    return tmp_path
+
+
+def test_backgrounds_and_held_out_views_are_those_of_the_program(board, program):
+    subprocess.run([program, "optimize", board / "scene.xml", "--views", board / "transforms.json", "--ignore-background", "--hold-out",
+                    "b.exr", "--parameter", "reflectance", "--init", "0.5", "--iterations", "4", "--evaluation-spp", "4", "-o",
+                    board / "out"], check=True, capture_output=True)
+    [file] = (board / "out" / "textures").glob("*.reflectance.data.exr")
+    renderer = burnish.load(board / "scene.xml")
+    views = burnish.read_views(board / "transforms.json", held_out=["b.exr"])
+
+    def textures(views):
+        problem = burnish.Problem(renderer, views, burnish.Unknown("reflectance", start=0.5))
+        return burnish.solve(problem, iterations=4, evaluation_spp=4).textures["reflectance"]
+
+    own = textures([burnish.mask_background(renderer, view) for view in views])
+    np.testing.assert_array_equal(own, burnish.read_image(file))
+    assert (textures(views) != own).any()
+
+
+def test_the_background_is_left_out(board):
+    renderer = burnish.load(board / "scene.xml")
+    [_, view] = burnish.read_views(board / "transforms.json", exposure=2, held_out=iter(["b.exr"]))
+    masked = burnish.mask_background(renderer, view)
+    assert view.mask is None and masked.mask.shape == (20, 24, 1) and set(masked.mask.flat) == {0, 1}
+    shows_board = renderer.with_camera(view.camera).render(spp=64).max(-1, keepdims=True) < 0.6  # of the sky 1
+    assert shows_board[masked.mask == 1].all() and 0.15 < masked.mask.mean() < shows_board.mean() < 0.5
+    np.testing.assert_array_equal(masked.image, view.image)
+    assert [getattr(masked, n) for n in ("name", "camera", "exposure", "held_out")] == ["b.exr", view.camera, (2, 2, 2), True]
+    own = np.linspace(0, 1, 20 * 24 * 3, dtype=np.float32).reshape(20, 24, 3)
+    both = burnish.mask_background(renderer, burnish.View(view.image, own, camera=view.camera))
+    np.testing.assert_array_equal(both.mask, own * masked.mask)
+
+    away = burnish.Camera(24, 20, 36, camera_to_world=np.array(TOWARDS) * [1, -1, -1, 1])
+    for wrong, message in [(burnish.View(view.image[:4], camera=view.camera), "the target image has 24 x 4 pixels"),
+                           (burnish.View(view.image, own[:4], camera=view.camera), "the mask has 24 x 4 pixels"),
+                           (burnish.View(view.image, name="back", camera=away), "back: no pixel shows a surface of the scene"),
+                           (burnish.View(view.image, 1 - masked.mask, camera=view.camera), "no pixel counts: each that shows a")]:
+        with pytest.raises(burnish.InputError, match=f"^{message}"):
+            burnish.mask_background(renderer, wrong)
+
+
+def test_views_are_held_out_by_name(board, folder):
+    assert [v.held_out for v in burnish.read_views(board / "transforms.json", held_out="a.exr")] == [True, False]
+    assert [v.held_out for v in burnish.read_capture(folder / "capture.json", held_out=("front",)).views] == [True, True]
+    with pytest.raises(burnish.InputError, match='^held_out: no view is named "c.exr": expected one of a.exr, b.exr$'):
+        burnish.read_views(board / "transforms.json", held_out=["c.exr"])
+    for wrong in (3, [3], None):
+        with pytest.raises(TypeError, match="^held_out: expected names of views, found "):
+            burnish.read_capture(folder / "capture.json", held_out=wrong)
+
+
 def test_messages(folder):
     with pytest.raises(burnish.InputError, match="scale: found 2"):
         burnish.read_capture(folder / "capture.json", scale=2)

@@ -99,6 +99,8 @@ burnish.View(image, exposure="fit")
 capture = burnish.read_capture("capture.json")
 burnish.load(capture.scene, definitions=capture.definitions)
 burnish.Problem(renderer, capture.views, "mat.roughness")
+burnish.Problem(renderer, [burnish.mask_background(renderer, v) for v in capture.views], "mat.roughness")
+burnish.read_views("transforms.json", held_out="side.exr" if capture.views else {"front.exr"})
 view = capture.views[0]
 burnish.View(image, lighting=None, exposure=view.exposure)
 burnish.Lens("fisheye", burnish.Lens("fisheye").coefficients)
