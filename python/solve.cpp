@@ -180,12 +180,13 @@ void bind_solve(nb::module_& m) {
         options_signature() + ") -> Summary";
     static const std::string doc =
         "Recovers the textures of a problem: iterates until a rule ends the run, evaluates the "
-        "result.\n\nstate: from which the run goes on. callback: called after each iteration; one "
-        "that returns a true value ends the run.\nprogress: told the name and the share that is "
-        "done of what comes before and after the iterations; True: a bar shows it, tqdm's where it "
-        "is installed; False: nothing.\ncheckpoints: a folder, not beside a state: the run goes "
-        "on from the newest checkpoint there, to the bytes of an uninterrupted one, and\nwrites "
-        "one every minute, at its end, and after Ctrl-C." +
+        "result.\n\nstate: from which the run goes on. callback: called after each iteration, of "
+        "several processes by the first; one\nthat returns a true value ends the run. progress: "
+        "told the name and the share that is done of what comes before and\nafter the "
+        "iterations, in each process; True: a bar shows it, and in the first process the "
+        "iterations, tqdm's where\nit is installed; False: nothing. checkpoints: a folder, not "
+        "beside a state: the run goes on from the newest\ncheckpoint there, to the bytes of an "
+        "uninterrupted one, and writes one every minute, at its end, and after Ctrl-C." +
         options_text();
     m.def("solve", run, nb::arg("problem"), nb::arg("state") = nb::none(),
           nb::arg("callback") = nb::none(), nb::arg("progress") = nb::none(),

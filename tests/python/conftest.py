@@ -1,11 +1,31 @@
 """What the tests share: a small goblet, its target, and the program to compare with."""
 import os
 import pathlib
+from concurrent.futures import ThreadPoolExecutor
+from threading import Barrier
 
 import burnish
 import pytest
 
 NAME = "mat-goblet.roughness"
+
+
+def in_two_ranks(work):
+    """What work(ranks) returns in each of two processes, which are threads here."""
+    barrier, boxes = Barrier(2), [[], []]
+
+    def run(rank):
+        def exchange(messages):
+            boxes[rank] = messages
+            barrier.wait(60)
+            came = [box[rank] for box in boxes]
+            barrier.wait(60)
+            return came
+
+        return work(burnish.Ranks(rank, 2, exchange))
+
+    with ThreadPoolExecutor(2) as threads:
+        return list(threads.map(run, range(2)))
 
 
 @pytest.fixture(scope="session")

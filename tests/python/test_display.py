@@ -2,7 +2,6 @@
 import base64
 import re
 import sys
-import threading
 import types
 
 import numpy as np
@@ -12,7 +11,7 @@ import burnish
 from burnish._bar import Bar, _Line
 from burnish._display import _curve, _summary_html
 
-from conftest import NAME
+from conftest import NAME, in_two_ranks
 
 
 def decoded(png, tmp_path):
@@ -104,24 +103,11 @@ def test_solvers_and_summaries_show_themselves(problem, tmp_path):
 
 
 def test_a_summary_shows_the_views_of_its_process(renderer, target):
-    barrier, boxes, summaries = threading.Barrier(2), [[], []], [None, None]
+    def solve(ranks):
+        problem = burnish.Problem(renderer, [target, target], burnish.Unknown(NAME, 0.5), ranks=ranks)
+        return burnish.solve(problem, batch=2, iterations=1, evaluation_spp=2)
 
-    def work(rank):
-        def exchange(messages):
-            boxes[rank] = messages
-            barrier.wait(60)
-            came = [box[rank] for box in boxes]
-            barrier.wait(60)
-            return came
-
-        problem = burnish.Problem(renderer, [target, target], burnish.Unknown(NAME, 0.5), ranks=burnish.Ranks(rank, 2, exchange))
-        summaries[rank] = burnish.solve(problem, batch=2, iterations=1, evaluation_spp=2)
-
-    threads = [threading.Thread(target=work, args=(rank,)) for rank in range(2)]
-    for thread in threads:
-        thread.start()
-    for thread in threads:
-        thread.join()
+    summaries = in_two_ranks(solve)
     first, second = ([e.image for e in summary.result.views] for summary in summaries)
     assert all(image is not None for image in first)  # it has all
     assert sum(image is None for image in second) == 1

@@ -3,7 +3,7 @@ import pytest
 
 import burnish
 
-from conftest import NAME
+from conftest import NAME, in_two_ranks
 
 
 @pytest.mark.parametrize("ranks, error, text", [
@@ -29,3 +29,20 @@ def test_an_exchange_that_loses_what_was_sent_is_said(renderer, target):
     problem = burnish.Problem(renderer, [target, target], burnish.Unknown(NAME, start=0.5), ranks=ranks)
     with pytest.raises(burnish.Error, match="an exchange gave an empty message"):
         burnish.solve(problem, batch=2, iterations=1)
+
+
+def test_the_first_process_alone_hears_of_iterations(renderer, target):
+    def solve(ranks):
+        heard, told = [], set()
+
+        def callback(iteration):
+            heard.append(iteration.number)
+            return iteration.number == 2
+
+        problem = burnish.Problem(renderer, [target, target], burnish.Unknown(NAME, start=0.5), ranks=ranks)
+        summary = burnish.solve(problem, batch=2, iterations=5, evaluation_spp=2, callback=callback, progress=lambda stage, _: told.add(stage))
+        return heard, told, summary
+
+    (first, told, one), (second, told_second, other) = in_two_ranks(solve)
+    assert (first, second) == ([0, 1, 2], []) and one.ending == other.ending == "cancelled"
+    assert told == told_second == {"rendering the start", "evaluating the result"}
