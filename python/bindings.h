@@ -128,10 +128,11 @@ const Solver& solver_of(const PythonIteration& iteration);
 /// Where the callback of solve is a viewer: what solve has found.
 void show_result(nb::handle callback, const Problem& problem, const Summary& summary);
 
-/// What a run found; names: of the unknowns, as the problem gives them.
+/// What a run found; the names are those that the problem gives.
 struct PythonSummary {
     Summary values;
-    std::vector<std::string> names;
+    std::vector<std::string> names;  ///< of the unknowns
+    std::vector<std::string> views;
 };
 
 std::vector<std::string> names_of(const Problem& problem);

@@ -173,6 +173,12 @@ nb::list iterations_of(const PythonSummary& s) {
     return all;
 }
 
+nb::list view_names_of(const PythonSummary& s) {
+    nb::list all;
+    for (const std::string& name : s.views) all.append(to_text(name));
+    return all;
+}
+
 constexpr const char* kTexturesSignature =
     "(self) -> dict[str, numpy.typing.NDArray[numpy.float32]]";
 
@@ -224,6 +230,8 @@ void bind_summary(nb::module_& m) {
     c.def_prop_ro(
         "result", [](const PythonSummary& s) -> const Evaluation& { return s.values.result; },
         nb::rv_policy::reference_internal, "Of the textures.");
+    c.def_prop_ro("view_names", view_names_of, nb::sig("def view_names(self) -> list[str]"),
+                  "Of each view of start and result, empty where it has none.");
     c.def_prop_ro(
         "state", [](const PythonSummary& s) { return s.values.state; },
         "From which the run can go on.");

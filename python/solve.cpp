@@ -166,7 +166,9 @@ PythonSummary run(const PythonProblem& problem, const std::optional<State>& stat
     });
     bar.reset();
     show_result(callback, problem.problem, summary);
-    return {std::move(summary), names_of(problem.problem)};
+    std::vector<std::string> views;
+    for (const View& view : problem.problem.views) views.push_back(view.name);
+    return {std::move(summary), names_of(problem.problem), std::move(views)};
 }
 
 }  // namespace

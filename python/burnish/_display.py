@@ -110,8 +110,8 @@ def _summary_html(summary: Summary) -> str:
 
 
 def _view_names(summary: Summary) -> list[str]:
-    count = len(summary.result.views)
-    return ["image"] if count == 1 else [f"view {i}" for i in range(count)]
+    names = summary.view_names
+    return [name or ("image" if len(names) == 1 else f"view {i}") for i, name in enumerate(names)]
 
 
 setattr(Solver, "_repr_html_", _solver_html)

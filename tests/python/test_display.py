@@ -114,6 +114,17 @@ def test_a_summary_shows_the_views_of_its_process(renderer, target):
     assert [len(re.findall("<figcaption>view [01]<", s._repr_html_())) for s in summaries] == [2, 1]
 
 
+def test_a_summary_names_its_views(renderer, target):
+    def captions(*names):
+        views = [burnish.View(target, name=name) for name in names]
+        summary = burnish.solve(burnish.Problem(renderer, views, burnish.Unknown(NAME, 0.5)), iterations=1, evaluation_spp=2)
+        assert summary.view_names == list(names) and len(summary.result.views) == len(names)
+        return re.findall("<figcaption>([^<]*)<", summary._repr_html_())[:len(names)]
+
+    assert captions("<front>", "", "side") == ["&lt;front&gt;", "view 1", "side"]
+    assert captions("front") == ["front"] and captions("") == ["image"]
+
+
 def test_a_bar_shows_the_progress(problem, capfd, monkeypatch):
     def fail(iteration):
         raise ZeroDivisionError
