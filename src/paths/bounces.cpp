@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <memory>
 
 #include "core/random_packet.h"
@@ -122,13 +123,16 @@ void gather_emitters(Tracer& t, const PointBsdfs& bsdfs, std::uint32_t bounce) {
     });
 }
 
-/// With which probability paths of these throughputs go on. NaN where a throughput is not finite:
-/// all of those do, and ends_here counts them.
+/// With which probability paths of these throughputs go on.
 Packet survival(const Tracer& t, const Rgb<Packet>& throughput, const Packet& eta) {
     const Packet largest = max(throughput.x, max(throughput.y, throughput.z)) * eta * eta;
-    const Packet not_finite = Packet(0.0f) * (throughput.x + throughput.y + throughput.z);
-    return min(Packet(kMaxSurvival), max(Packet(t.input.keep_black ? kMinSurvival : 0.0f),
-                                         largest + not_finite));  // the second operand's NaN stays
+    return min(Packet(kMaxSurvival),
+               max(Packet(t.input.keep_black ? kMinSurvival : 0.0f), largest));
+}
+
+Mask is_finite(const Rgb<Packet>& v) {
+    const Packet largest(std::numeric_limits<float>::max());
+    return abs(v.x) <= largest && abs(v.y) <= largest && abs(v.z) <= largest;
 }
 
 /// Of the samples of sixteen lanes.
@@ -166,7 +170,8 @@ Mask carry_on(Tracer& t, const ColumnIndices& lanes, const ColumnIndices& sample
     const auto rr_depth = static_cast<std::uint32_t>(t.input.scene->scene->rr_depth);
     if (bounce + 1 >= std::min(rr_depth, kLatestRoulette)) {
         const Packet chance = survival(t, throughput, eta);
-        goes_on = !(roulette_numbers(t, samples, bounce) >= chance);
+        // What is not finite goes on: ends_here counts it.
+        goes_on = !(roulette_numbers(t, samples, bounce) >= chance && is_finite(throughput));
         weight = weight / chance;
         throughput = throughput * (one / chance);
     }
