@@ -1,5 +1,5 @@
-// How a problem is solved. Plain aggregates: every default is the one that works best on the
-// scenes of docs/benchmarks.md.
+// How a problem is solved. Plain aggregates. Defaults work best on the scenes of
+// docs/benchmarks.md; shift, target function, merge weights and cap of Reservoirs are the paper's.
 #pragma once
 
 #include <cstddef>
