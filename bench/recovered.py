@@ -44,11 +44,14 @@ def parameters_of(capture, inputs):
     return [f"{material}.{name}.data" for name in inputs] if inputs else [own]
 
 
-def search_of(programs, capture, parameters):
-    """What the start is and what pictures resolve: both texture errors are those of the search's own test."""
+def search_of(programs, capture, parameters, seconds):
+    """What the start of such a run is and what pictures resolve: both texture errors are those of the search's own
+    test."""
     if len(parameters) > 1:
         return {}
-    return json.loads(call(programs / "bench" / "burnish_start_search", capture, *parameters, "--runs", "1"))
+    effort = min(max(seconds / 60, 1), 4)
+    return json.loads(call(programs / "bench" / "burnish_start_search", capture, *parameters, "--runs", "1",
+                           "--effort", effort))
 
 
 def judge(capture, parameters, textures, folder):
@@ -71,7 +74,7 @@ def row(scene, capture, arguments, programs):
          "--time", arguments.seconds, "-o", folder, "--force")
     summary = json.loads((folder / "summary.json").read_text())["result"]
     before, after = judge(capture, parameters, folder / "textures", folder)
-    search = search_of(programs, capture, parameters)
+    search = search_of(programs, capture, parameters, arguments.seconds)
     return {"scene": scene, "parameters": parameters, "iterations": summary["iterations"],
             "seconds": summary["seconds"], "psnr_of_number": decibels(before), "psnr": decibels(after),
             "texture_errors_of_number": list(before["texture_error"].values()),

@@ -2,9 +2,10 @@
 // see, of the search, of 0.5 everywhere and of what the pictures can resolve, and the seconds that
 // the search takes. One line of JSON for each number of views and seed.
 //
-//   burnish_start_search CAPTURE.json PARAMETER [--views 1 2 4 8] [--runs 3] [--judge FILE]...
-//   burnish_start_search SCENE.xml PARAMETER [--size W H] [--runs 3] [--target-spp 256]
-//                        [-D name=value]... [--judge FILE]...
+//   burnish_start_search CAPTURE.json PARAMETER [--views 1 2 4 8] [--runs 3] [--effort 1]
+//                        [--judge FILE]...
+//   burnish_start_search SCENE.xml PARAMETER [--size W H] [--runs 3] [--effort 1]
+//                        [--target-spp 256] [-D name=value]... [--judge FILE]...
 //
 // The pictures of a scene file are rendered from its own textures. Of a capture the error counts
 // the texels that all of its fitted views see, also where fewer are searched.
@@ -76,7 +77,7 @@ std::vector<SearchView> some_views(const Pictures& p, std::size_t count) {
 }
 
 void measure(const Pictures& p, const std::string& parameter, std::vector<std::size_t> counts,
-             std::uint32_t runs, const std::vector<std::string>& judged) {
+             std::uint32_t runs, double effort, const std::vector<std::string>& judged) {
     const Scene& scene = p.renderer.data().scene();
     const TextureId texture = find_texture(scene, parameter);
     const Image truth = p.renderer.texture(parameter);
@@ -95,7 +96,7 @@ void measure(const Pictures& p, const std::string& parameter, std::vector<std::s
         for (std::uint32_t seed = 0; seed < runs; ++seed) {
             const auto views = some_views(p, std::min(count, p.views.size()));
             const Stopwatch watch;
-            const FoundStarts found = search_starts(views, {&unknown, 1}, seed);
+            const FoundStarts found = search_starts(views, {&unknown, 1}, seed, effort);
             nlohmann::ordered_json line{
                 {"views", views.size()},        {"seed", seed},
                 {"seconds", watch.total()},     {"error", error(found.textures[0])},
@@ -109,10 +110,12 @@ void measure(const Pictures& p, const std::string& parameter, std::vector<std::s
 int main(int argc, char** argv) {
     BenchScene where;
     std::uint32_t runs = 3, target_samples = 256;
+    double effort = 1;
     std::vector<std::size_t> counts;
     CLI::App app;
     add_scene_options(app, where);
     app.add_option("--runs", runs);
+    app.add_option("--effort", effort, "of the search: T / 60, from 1 to 4, in a run of T seconds");
     app.add_option("--target-spp", target_samples);
     std::vector<std::string> judged;
     app.add_option("--judge", judged, "textures whose errors to tell, too");
@@ -121,7 +124,7 @@ int main(int argc, char** argv) {
     try {
         measure(is_capture(where.file) ? read_pictures(where.file)
                                        : render_pictures(where, target_samples),
-                where.parameter, counts, runs, judged);
+                where.parameter, counts, runs, effort, judged);
     } catch (const Error& e) {
         std::cerr << e.what() << "\n";
         return 1;

@@ -5,6 +5,7 @@ import tempfile
 import unittest
 from pathlib import Path
 from types import SimpleNamespace
+from unittest import mock
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "bench"))
 import recovered
@@ -51,6 +52,14 @@ class Unknowns(unittest.TestCase):
             self.assertEqual(recovered.parameters_of(capture, None), ROW["parameters"])
             self.assertEqual(recovered.parameters_of(capture, ["metallic", "base_color"]),
                              ["mat-tire.brdf_0.metallic.data", "mat-tire.brdf_0.base_color.data"])
+
+
+class Start(unittest.TestCase):
+    def test_is_searched_as_long_as_that_of_the_run(self):
+        for seconds, effort in ((20, 1), (120, 2), (600, 4)):
+            with mock.patch("recovered.call", return_value="{}") as call:
+                recovered.search_of(Path("build"), Path("capture.json"), ROW["parameters"], seconds)
+            self.assertEqual(call.call_args.args[-2:], ("--effort", effort))
 
 
 class Stopped(unittest.TestCase):
