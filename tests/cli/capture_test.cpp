@@ -298,6 +298,24 @@ TEST_F(CaptureTest, ARunFitsItsViews) {
               read_text(folder / "repeated/textures/mat-panel.brdf_0.base_color.data.exr"));
 }
 
+/// Pictures that Mitsuba rendered. Of 0.5 everywhere the loss of each view, fitted or held out, in
+/// between or under another sky, is 0.0014 to 0.0032, of the result 0.0004 to 0.0006; with 512
+/// samples noise makes that up to 0.0009, with half of them 0.0012. Views stay above the bound
+/// where a sky is turned, left out or 10 % brighter, pictures are exchanged, cameras look a quarter
+/// of a pixel aside or are 1 % longer, all is 5 % too bright, or nothing is learnt.
+TEST_F(CaptureTest, ACaptureOfMitsubaIsFittedAlsoWhereItIsNotSeen) {
+    fs::copy(BURNISH_TEST_DATA "/captures/bowl", folder / "bowl", fs::copy_options::recursive);
+    ASSERT_EQ(run("scene bowl -o bowl/scene --texture-size 64").code, 0);
+    const Outcome outcome =
+        run("optimize bowl/capture.json --parameter mat-bowl.anisotropic --init 0.5 "
+            "--iterations 100 --evaluation-spp 512 -o out");
+    ASSERT_EQ(outcome.code, 0) << outcome.err;
+    const auto views = summary_of("out")["views"];
+    ASSERT_EQ(views.size(), 8u);
+    for (const auto& view : views)
+        EXPECT_LT(view["loss"].get<double>() - view["noise_floor"].get<double>(), 0.0012) << view;
+}
+
 /// A capture of so many views without pictures, of which the first are fitted.
 std::string capture_of_many(int count, int fitted) {
     std::string views;
