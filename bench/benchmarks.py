@@ -159,9 +159,11 @@ def machine_and_date():
 
 METHOD = """\
 Every run recovers one texture from 0.5 everywhere to a target of {target_spp} samples per pixel, under relMSE, with the
-learning rate of the paper. Burnish runs with the defaults of `burnish optimize` and the estimators path cache, pgris
-(replay shift) and mc. Mitsuba 3 runs `prb`, Adam and plain texels, with that split of image and derivative samples
-(32+1, 8+4, 4+4 or 2+2) which ends lowest after an eighth of the time; the row names it.
+learning rates of the paper: 0.005 for *tire* and *tyre*, 0.1 for *tree*, which is too much for a path cache
+([decision 023](decisions/023-bias-in-a-closed-loop.md)), otherwise 0.01. Burnish runs with these, otherwise with the
+defaults of `burnish optimize`, and with the estimators path cache, pgris (replay shift) and mc. Mitsuba 3 runs `prb`,
+Adam and plain texels, with that split of image and derivative samples (32+1, 8+4, 4+4 or 2+2) which ends lowest after
+an eighth of the time; the row names it.
 
 Seconds are those of iterations alone, without loading, evaluation and JIT compilation. Losses are those of two
 independent images with {evaluation_spp} samples per pixel each, without their noise on average. The texture error is
