@@ -24,7 +24,8 @@ import os
 
 import bpy
 
-# True where v runs downwards in the mesh's file, as in the PLY files of most Mitsuba scenes.
+# True where v runs downwards in the mesh's file, as in the PLY files that most Mitsuba scenes name; False for a mesh
+# that was given to `burnish new`.
 FLIP_V = False
 
 # Of each material the inputs of its Principled BSDF: a value, or a texture, whose colours are multiplied by "times" and
