@@ -230,7 +230,7 @@ constexpr OptionRow kTable[] = {
     {{.name = "seed",
       .flag = "--seed",
       .level = kBasic,
-      .sentence = "Random numbers: same seed, same bytes",
+      .sentence = "Random numbers: same seed and iterations, same bytes",
       .range = {0, kMaxCount, true}},
      of_options<&Options::seed>()},
     {{.name = "stop.iterations",
