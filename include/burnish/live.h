@@ -26,9 +26,9 @@ class Live {
     /// Waits until everything is sent, a second at most, and for a note that is under way.
     ~Live();
 
-    /// Shows an image of 1 to 4 channels, in the place of the one of that name. One without
-    /// values is passed over. Throws InputError for other channels, and for another number of
-    /// values.
+    /// Shows an image of 1 to 4 channels, in the place of the one of that name: of more than 2^22
+    /// pixels every k-th alone, in both directions. One without values is passed over. Throws
+    /// InputError for other channels, and for another number of values.
     void show(const std::string& name, Image image);
     /// What show() has shown goes away.
     void close(const std::string& name);
