@@ -141,8 +141,6 @@ Setup make_setup(Problem problem, Options options) {
     setup.problem.ranks = stoppable(std::move(setup.problem.ranks));
     setup.views = make_views(setup.problem);
     check_pictures(setup.problem, setup.views);
-    for (std::size_t i = 0; i < setup.views.size(); ++i)
-        mask_blind_pixels(setup.views[i], setup.problem.views[i]);
     setup.fitted = fitted_views(setup.problem);
     setup.owners = owners_of_views(setup.problem, setup.options.batch);
     const Scene& scene = scene_of(setup);

@@ -140,19 +140,21 @@ std::vector<Renderer> make_views(const Problem& problem) {
     return renderers;
 }
 
-void check_pictures(const Problem& problem, const std::vector<Renderer>& views) {
+void check_pictures(Problem& problem, const std::vector<Renderer>& views) {
     parallel_tasks(problem.views.size(), [&](std::size_t i) {
-        const View& view = problem.views[i];
+        View& view = problem.views[i];
         naming_view(view, i, problem.views.size(), [&] {
             check_picture(view, views[i]);
             check_exposure(problem, view);
+            mask_blind_pixels(views[i], view);
         });
     });
     const auto counts = [](const View& view) { return !view.held_out && any_pixel_counts(view); };
     const auto is_fitted = [](const View& view) { return !view.held_out; };
     if (std::ranges::any_of(problem.views, is_fitted) &&
         std::ranges::none_of(problem.views, counts))
-        throw InputError("no pixel counts: the mask of every view that is fitted is 0 everywhere");
+        throw InputError(
+            "no pixel counts: the mask of every view that is fitted is 0 wherever its camera sees");
 }
 
 double mask_blind_pixels(const Renderer& renderer, View& view) {

@@ -19,8 +19,9 @@ SharedImage sky_of(const Scene& scene);
 /// InputError, which names the view, where a camera or light does not fit.
 std::vector<Renderer> make_views(const Problem& problem);
 
-/// Throws InputError, which names the view, where an image, mask or exposure does not fit.
-void check_pictures(const Problem& problem, const std::vector<Renderer>& views);
+/// Masks the blind pixels of each view. Throws InputError, which names the view, where an image,
+/// mask or exposure does not fit, and where no pixel of those that are fitted counts.
+void check_pictures(Problem& problem, const std::vector<Renderer>& views);
 
 /// Gives the weight 0 to the pixels that filtering reaches from outside of the field of the view's
 /// lens, where nothing is seen. renderer: of the view. Returns the share of the pixels.

@@ -534,6 +534,14 @@ TEST(Views, ThatDoNotFitAreNamed) {
     refused("no pixel counts", [](Problem& p) {
         for (View& v : p.views) v.mask = make_image(v.image.width, v.image.height, 1, 0);
     });
+    refused("no pixel counts", [](Problem& p) {
+        p.views = {p.views[2]};
+        auto& camera = std::get<Camera>(p.views[0].camera);
+        camera.focal_x = camera.focal_y = 2;
+        camera.lens.kind = LensKind::kFisheye;
+        p.views[0].mask = make_image(20, 14, 1, 0);
+        p.views[0].mask.at(0, 0, 0) = 1;  // behind the camera
+    });
     refused("no view to fit", [](Problem& p) {
         for (View& v : p.views) v.held_out = true;
     });
