@@ -1,5 +1,7 @@
 // The fields of every struct in a state, once for writing and reading: see core/archive.h. To add a
-// field to a state: here, too, and a new kStateVersion.
+// field to a state: here, too, and a new kStateVersion. Those of what a view or a pyramid holds
+// (ViewState, PathCacheState, Background, PyramidState, LevelState, AdamState) also stand in
+// whole_state.cpp, which writes them from the parts of several processes.
 #pragma once
 
 #include "core/archive.h"
@@ -64,9 +66,19 @@ void fields(auto& archive, Is<ViewState> auto& v) {
 }
 void fields(auto& archive, Is<SearchedCosts> auto& v) { archive(v.squares, v.costs); }
 void fields(auto& archive, Is<SearchedAgain> auto& v) { archive(v.iteration, v.texels); }
+/// pyramids(), views(): write or read those of v.
+template <class Pyramids, class Views>
+void state_fields(auto& archive, Is<State::Values> auto& v, const Pyramids& pyramids,
+                  const Views& views) {
+    archive(v.iteration, v.theta);
+    pyramids();
+    views();
+    archive(v.patience, v.searched, v.search_effort, v.search_costs, v.searched_again);
+}
 void fields(auto& archive, Is<State::Values> auto& v) {
-    archive(v.iteration, v.theta, v.pyramids, v.views, v.patience, v.searched, v.search_effort,
-            v.search_costs, v.searched_again);
+    const auto pyramids = [&] { archive(v.pyramids); };
+    const auto views = [&] { archive(v.views); };
+    state_fields(archive, v, pyramids, views);
 }
 
 }  // namespace burnish

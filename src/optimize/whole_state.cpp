@@ -295,25 +295,26 @@ void write_whole(const WholeState& state, const std::function<void()>& write) {
     throw_from_first(state.ranks, caught);
 }
 
-// As the fields of State::Values.
 void fields(ArchiveWriter& archive, const WholeState& v) {
     TakenPieces others{v.ranks, v.slice};
-    archive(v.own.iteration, v.own.theta);
-    write_pyramids(archive, v, others);
-    archive(std::uint64_t{v.own.views.size()});
-    for (std::size_t i = 0; i < v.own.views.size(); ++i) write_view(archive, v, i, others);
-    archive(v.own.patience, v.own.searched, v.own.search_effort, v.own.search_costs,
-            v.own.searched_again);
+    const auto pyramids = [&] { write_pyramids(archive, v, others); };
+    const auto views = [&] {
+        archive(std::uint64_t{v.own.views.size()});
+        for (std::size_t i = 0; i < v.own.views.size(); ++i) write_view(archive, v, i, others);
+    };
+    state_fields(archive, v.own, pyramids, views);
 }
 
 void fields(ArchiveReader& archive, OwnState& v) {
-    std::uint64_t count = 0;
-    archive(v.values.iteration, v.values.theta, v.values.pyramids, count);
-    v.values.views.clear();
-    for (std::uint64_t i = 0; i < count; ++i)
-        v.values.views.push_back(read_view(archive, v.ranks, i, count));
-    archive(v.values.patience, v.values.searched, v.values.search_effort, v.values.search_costs,
-            v.values.searched_again);
+    const auto pyramids = [&] { archive(v.values.pyramids); };
+    const auto views = [&] {
+        std::uint64_t count = 0;
+        archive(count);
+        v.values.views.clear();
+        for (std::uint64_t i = 0; i < count; ++i)
+            v.values.views.push_back(read_view(archive, v.ranks, i, count));
+    };
+    state_fields(archive, v.values, pyramids, views);
 }
 
 }  // namespace burnish
