@@ -95,6 +95,13 @@ class ArchiveReader {
     void operator()(T&... values) {
         (read(values), ...);
     }
+    /// Of another archive, or entries of an array: no count before them.
+    void raw(void* to, std::size_t size) {
+        if (size > left())
+            fail(std::to_string(left()) + " bytes more", "at least " + std::to_string(size));
+        if (size > 0) source_(to, size);
+        at_ += size;
+    }
     std::uint64_t left() const { return size_ - at_; }
     /// Alternative `index` of a variant, where the index has been read already.
     template <std::size_t I = 0, class Variant>
@@ -119,18 +126,12 @@ class ArchiveReader {
     }
 
   private:
-    void take(void* to, std::size_t size) {
-        if (size > left())
-            fail(std::to_string(left()) + " bytes more", "at least " + std::to_string(size));
-        if (size > 0) source_(to, size);
-        at_ += size;
-    }
     /// The count of items that follow. No more than bytes that are left may hold: a wrong count
     /// allocates nothing.
     template <class Item>
     std::size_t count() {
         std::uint64_t n = 0, least = 0;
-        take(&n, sizeof n);
+        raw(&n, sizeof n);
         ArchiveWriter{[&least](const void*, std::size_t size) { least += size; }}(Item{});
         if (n > left() / least)
             fail("an array of " + std::to_string(n) + " items",
@@ -140,10 +141,10 @@ class ArchiveReader {
     template <class T>
     void read(T& v) {
         if constexpr (kPlainBytes<T>) {
-            take(&v, sizeof v);
+            raw(&v, sizeof v);
         } else if constexpr (PlainArray<T>) {
             v.resize(count<typename T::value_type>());
-            take(v.data(), v.size() * sizeof(typename T::value_type));
+            raw(v.data(), v.size() * sizeof(typename T::value_type));
         } else if constexpr (Resizable<T>) {
             v.resize(count<typename T::value_type>());
             for (auto& item : v) read(item);

@@ -24,16 +24,17 @@ void add_up(const Ranks& ranks, std::span<double> values) {
 
 void share_moved(const Ranks& ranks, const std::vector<MovedFloats>& arrays) {
     std::string mine;
+    ArchiveWriter writer(sink_into(mine));
     for (const MovedFloats& a : arrays)
         put_blocks({a.values.data()}, a.dirty, own_range(a.values.size(), ranks.rank, ranks.count),
-                   mine);
+                   writer);
     const std::vector<std::string> came = all_gather(ranks, mine);
     for (int r = 0; r < ranks.count; ++r) {
         if (r == ranks.rank) continue;
-        MessageReader message(came[static_cast<std::size_t>(r)]);
+        ArchiveReader message = reader_of(came[static_cast<std::size_t>(r)]);
         for (const MovedFloats& a : arrays)
-            message.get_blocks({a.values.data()}, own_range(a.values.size(), r, ranks.count),
-                               a.dirty);
+            get_blocks({a.values.data()}, own_range(a.values.size(), r, ranks.count), a.dirty,
+                       message);
         message.require_end();
     }
 }

@@ -60,8 +60,8 @@ std::vector<std::string> exchange_nodes(const Ranks& ranks, const GradientShapes
     std::vector<std::string> messages = to_each(ranks);
     for (int r = 0; r < ranks.count; ++r)
         for (const ViewSumNode& node : views.nodes) {
-            std::string& message = messages[static_cast<std::size_t>(r)];
-            put(message, std::uint64_t{node.begin}), put(message, std::uint64_t{node.size});
+            ArchiveWriter message(sink_into(messages[static_cast<std::size_t>(r)]));
+            message(node.begin, node.size);
             for (std::size_t i = 0; i < shapes.size(); ++i)
                 for (const IndexRange& range : part_of(shapes[i], r).ranges)
                     put_blocks(halves_of(node.gradient[i]), node.gradient[i].dirty, range, message);
@@ -78,9 +78,9 @@ void clear_part(const GradientShape& s, std::size_t floats, SplitGradient& g) {
 }
 
 /// The next node, of which the message has this process's part.
-void get_node(const Ranks& ranks, const GradientShapes& shapes, MessageReader& message,
+void get_node(const Ranks& ranks, const GradientShapes& shapes, ArchiveReader& message,
               ViewSumNode& node) {
-    node.begin = message.get<std::uint64_t>(), node.size = message.get<std::uint64_t>();
+    message(node.begin, node.size);
     node.gradient.resize(shapes.size());
     for (std::size_t i = 0; i < shapes.size(); ++i) {
         const KeptBlocks part = part_of(shapes[i], ranks.rank);
@@ -88,7 +88,7 @@ void get_node(const Ranks& ranks, const GradientShapes& shapes, MessageReader& m
         clear_part(shapes[i], part.size(), g);
         for (const IndexRange& range : part.ranges) {
             const std::size_t at = part.place_of(range.begin);
-            message.get_blocks(halves_of(g), {at, at + range.size()}, g.dirty);
+            get_blocks(halves_of(g), {at, at + range.size()}, g.dirty, message);
         }
     }
 }
@@ -114,7 +114,7 @@ void take_nodes(const Ranks& ranks, const GradientShapes& shapes,
                 const std::vector<std::string>& messages, ViewSum& views) {
     std::size_t count = 0;
     for (const std::string& bytes : messages)
-        for (MessageReader message(bytes); !message.at_end(); ++count) {
+        for (ArchiveReader message = reader_of(bytes); message.left() > 0; ++count) {
             if (count == views.parts.size()) views.parts.emplace_back();
             get_node(ranks, shapes, message, views.parts[count]);
         }

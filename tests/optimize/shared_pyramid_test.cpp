@@ -3,11 +3,12 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <functional>
 
 #include "burnish/error.h"
+#include "core/archive.h"
 #include "error_of.h"
-#include "optimize/block_message.h"
 #include "optimize/iterate.h"
 #include "optimize/thread_ranks.h"
 #include "optimize/view_problem.h"
@@ -148,20 +149,21 @@ TEST(SharedPyramid, BlocksThatWereNotSentAreRefused) {
     const auto blocks = [](std::uint64_t from, std::uint64_t to) {
         return [=](std::string& message) {
             message.clear();
-            put(message, from), put(message, to);
-            message.append(64, '\0');
-            put(message, ~std::uint64_t{0});
+            ArchiveWriter(sink_into(message))(from, to, std::array<float, 16>{}, ~std::uint64_t{0});
         };
     };
+    const std::string kMessage = "a message of another process, ";
     EXPECT_EQ(error(blocks(0, 16)), "");
     EXPECT_EQ(error([](std::string& m) { m.pop_back(); }),
-              "an exchange gave a message of 407 bytes, expected 1 more");
+              kMessage + "byte 400: found 7 bytes more, expected at least 8");
     EXPECT_EQ(error([](std::string& m) { m += 'x'; }),
-              "an exchange gave a message of 409 bytes, expected 408");
-    EXPECT_EQ(error(blocks(96, 112)), "an exchange gave values 96 to 112, expected some of 104");
-    EXPECT_EQ(error(blocks(16, 0)), "an exchange gave values 16 to 0, expected some of 104");
+              kMessage + "byte 408: found 1 bytes more, expected the end");
+    EXPECT_EQ(error(blocks(96, 112)),
+              kMessage + "byte 16: found values 96 to 112, expected some of 104");
+    EXPECT_EQ(error(blocks(16, 0)),
+              kMessage + "byte 16: found values 16 to 0, expected some of 104");
     EXPECT_EQ(error(blocks(~std::uint64_t{0} - 15, 0)),
-              "an exchange gave values 18446744073709551600 to 0, expected some of 104");
+              kMessage + "byte 16: found values 18446744073709551600 to 0, expected some of 104");
 }
 
 TEST(SharedPyramid, PartsAreWholeBlocksThatMakeUpTheWhole) {
