@@ -208,7 +208,7 @@ Workspace make_workspace(const Setup& setup, const State::Values& state) {
         view.near = near_unknown(binding.film(), reaching[i]);
         if (i != workspace.last) view.estimator.cache.sums.clear();
     });
-    workspace.parts = own_parts(setup), workspace.shapes = gradient_shapes(setup);
+    workspace.parts = own_parts(setup), workspace.gradients = gradient_parts(setup);
     workspace.pyramids.resize(setup.unknowns.size());
     return workspace;
 }
@@ -231,7 +231,7 @@ Iteration iterate(const Setup& setup, State::Values& state, Workspace& workspace
     Stopwatch watch;
     try {
         if (is_summed_up(setup.problem.ranks, batch))
-            gradient = &sum_of_views(setup.problem.ranks, workspace.shapes, workspace.sum);
+            gradient = &sum_of_views(setup.problem.ranks, workspace.gradients, workspace.sum);
         report.rejected_derivatives += take_step(setup, *gradient, state, workspace);
     } catch (const std::bad_alloc&) {
         throw ResourceError(kNoMemory);

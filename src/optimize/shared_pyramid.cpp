@@ -73,17 +73,16 @@ std::vector<PyramidPart> own_parts(const Setup& setup) {
     return parts;
 }
 
-std::vector<GradientShape> gradient_shapes(const Setup& setup) {
-    std::vector<GradientShape> shapes;
+std::vector<GradientParts> gradient_parts(const Setup& setup) {
+    const int count = setup.problem.ranks.count;
+    std::vector<GradientParts> gradients;
     for (const UnknownTexture& u : setup.unknowns) {
-        GradientShape shape{u.start.width, u.start.height, u.start.channels,
-                            has_split_gradient(setup.options.estimator)};
-        const int count = setup.problem.ranks.count;
+        GradientParts& gradient = gradients.emplace_back();
+        gradient.split = has_split_gradient(setup.options.estimator);
         for (int r = 0; r < count; ++r)
-            shape.parts.push_back(part_of(u.maps, shape.channels, r, count).front().read);
-        shapes.push_back(std::move(shape));
+            gradient.parts.push_back(part_of(u.maps, u.start.channels, r, count).front().read);
     }
-    return shapes;
+    return gradients;
 }
 
 PartExchange exchange_of(const Ranks& ranks) {

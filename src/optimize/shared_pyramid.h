@@ -12,7 +12,7 @@ namespace burnish {
 std::vector<PyramidPart> own_parts(const Setup& setup);
 
 /// Of the gradient by each unknown: each process gets what its part reads.
-std::vector<GradientShape> gradient_shapes(const Setup& setup);
+std::vector<GradientParts> gradient_parts(const Setup& setup);
 
 /// By messages of all processes to all.
 PartExchange exchange_of(const Ranks& ranks);

@@ -64,13 +64,13 @@ struct ViewWorkspace {
 
 /// Work memory of a run: follows from setup and state.
 struct Workspace {
-    Estimator estimator;                ///< of a view: with its share of the memory
-    bool keeps_records = true;          ///< of path caches, from visit to visit
-    std::vector<ViewWorkspace> views;   ///< parallel to State::Values::views
-    std::size_t last = 0;               ///< visited, whose work memory has the textures' size
-    ViewSum sum;                        ///< over the views of an iteration, where they are several
-    std::vector<GradientShape> shapes;  ///< of what is summed, and who gets what of it
-    std::vector<PyramidPart> parts;     ///< of each unknown: what this process steps
+    Estimator estimator;               ///< of a view: with its share of the memory
+    bool keeps_records = true;         ///< of path caches, from visit to visit
+    std::vector<ViewWorkspace> views;  ///< parallel to State::Values::views
+    std::size_t last = 0;              ///< visited, whose work memory has the textures' size
+    ViewSum sum;                       ///< over the views of an iteration, where they are several
+    std::vector<GradientParts> gradients;  ///< of each unknown: who gets what of the sum
+    std::vector<PyramidPart> parts;        ///< of each unknown: what this process steps
     std::vector<PyramidWorkspace> pyramids;
 };
 

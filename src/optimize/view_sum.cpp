@@ -38,12 +38,8 @@ void fold_all(std::vector<ViewSumNode>& nodes) {
     fold(nodes, 0, 0, std::bit_ceil(nodes.back().begin + nodes.back().size));
 }
 
-using GradientShapes = std::vector<GradientShape>;
-
-KeptBlocks part_of(const GradientShape& s, int rank) {
-    if (!s.parts.empty()) return s.parts[static_cast<std::size_t>(rank)];
-    return {{{0, static_cast<std::size_t>(s.width) * static_cast<std::size_t>(s.height) *
-                     static_cast<std::size_t>(s.channels)}}};
+const KeptBlocks& part_of(const GradientParts& gradient, int rank) {
+    return gradient.parts[static_cast<std::size_t>(rank)];
 }
 
 /// The halves of a gradient that there are.
@@ -55,37 +51,29 @@ auto halves_of(Gradient& g) {
 }
 
 /// Sends each process its part of our nodes.
-std::vector<std::string> exchange_nodes(const Ranks& ranks, const GradientShapes& shapes,
+std::vector<std::string> exchange_nodes(const Ranks& ranks, const std::vector<GradientParts>& parts,
                                         const ViewSum& views) {
     std::vector<std::string> messages = to_each(ranks);
     for (int r = 0; r < ranks.count; ++r)
         for (const ViewSumNode& node : views.nodes) {
             ArchiveWriter message(sink_into(messages[static_cast<std::size_t>(r)]));
             message(node.begin, node.size);
-            for (std::size_t i = 0; i < shapes.size(); ++i)
-                for (const IndexRange& range : part_of(shapes[i], r).ranges)
+            for (std::size_t i = 0; i < parts.size(); ++i)
+                for (const IndexRange& range : part_of(parts[i], r).ranges)
                     put_blocks(halves_of(node.gradient[i]), node.gradient[i].dirty, range, message);
         }
     return ranks.exchange(std::move(messages));
 }
 
-/// Makes a gradient zero, with the floats of a part, one behind the other.
-void clear_part(const GradientShape& s, std::size_t floats, SplitGradient& g) {
-    if (s.parts.empty())
-        clear(g, s.width, s.height, s.channels, s.split);
-    else
-        clear(g, static_cast<int>(floats), 1, 1, s.split);
-}
-
 /// The next node, of which the message has this process's part.
-void get_node(const Ranks& ranks, const GradientShapes& shapes, ArchiveReader& message,
+void get_node(const Ranks& ranks, const std::vector<GradientParts>& parts, ArchiveReader& message,
               ViewSumNode& node) {
     message(node.begin, node.size);
-    node.gradient.resize(shapes.size());
-    for (std::size_t i = 0; i < shapes.size(); ++i) {
-        const KeptBlocks part = part_of(shapes[i], ranks.rank);
+    node.gradient.resize(parts.size());
+    for (std::size_t i = 0; i < parts.size(); ++i) {
+        const KeptBlocks& part = part_of(parts[i], ranks.rank);
         SplitGradient& g = node.gradient[i];
-        clear_part(shapes[i], part.size(), g);
+        clear(g, static_cast<int>(part.size()), 1, 1, parts[i].split);
         for (const IndexRange& range : part.ranges) {
             const std::size_t at = part.place_of(range.begin);
             get_blocks(halves_of(g), {at, at + range.size()}, g.dirty, message);
@@ -110,13 +98,13 @@ void require_nodes(const std::vector<ViewSumNode>& nodes) {
 }
 
 /// All nodes on this process's part, in order.
-void take_nodes(const Ranks& ranks, const GradientShapes& shapes,
+void take_nodes(const Ranks& ranks, const std::vector<GradientParts>& parts,
                 const std::vector<std::string>& messages, ViewSum& views) {
     std::size_t count = 0;
     for (const std::string& bytes : messages)
         for (ArchiveReader message = reader_of(bytes); message.left() > 0; ++count) {
             if (count == views.parts.size()) views.parts.emplace_back();
-            get_node(ranks, shapes, message, views.parts[count]);
+            get_node(ranks, parts, message, views.parts[count]);
         }
     views.parts.resize(count);
     std::sort(views.parts.begin(), views.parts.end(),
@@ -156,13 +144,14 @@ void add_node(std::size_t begin, std::size_t size, const std::vector<SplitGradie
     }
 }
 
-const std::vector<SplitGradient>& sum_of_views(const Ranks& ranks, const GradientShapes& shapes,
+const std::vector<SplitGradient>& sum_of_views(const Ranks& ranks,
+                                               const std::vector<GradientParts>& parts,
                                                ViewSum& views) {
     if (ranks.count == 1) {
         fold_all(views.nodes);
         std::swap(views.sum, views.nodes.front().gradient);
     } else {
-        take_nodes(ranks, shapes, exchange_nodes(ranks, shapes, views), views);
+        take_nodes(ranks, parts, exchange_nodes(ranks, parts, views), views);
         fold_all(views.parts);
         std::swap(views.sum, views.parts.front().gradient);
     }

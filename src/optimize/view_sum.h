@@ -17,11 +17,9 @@
 namespace burnish {
 
 /// Of the gradient by an unknown.
-struct GradientShape {
-    int width = 0, height = 0, channels = 0;
-    bool split = false;  ///< in halves
-    /// What each process gets of the sum; empty: each gets all.
-    std::vector<KeptBlocks> parts = {};
+struct GradientParts {
+    bool split = false;             ///< in halves
+    std::vector<KeptBlocks> parts;  ///< what each process gets of the sum
 };
 
 /// The sum over the leaves [begin, begin + size), or those of them that there are.
@@ -44,9 +42,10 @@ void add_node(std::size_t begin, std::size_t size, const std::vector<SplitGradie
               ViewSum& views);
 
 /// This process's part of the sum over the batch, once all processes have added their nodes; until
-/// the next call. Each leaf of the batch was added by one process. shapes: of the gradient.
+/// the next call: one float behind the other, whatever the texture's size; of one process as it was
+/// added. Each leaf of the batch was added by one process. parts: of the unknowns.
 const std::vector<SplitGradient>& sum_of_views(const Ranks& ranks,
-                                               const std::vector<GradientShape>& shapes,
+                                               const std::vector<GradientParts>& parts,
                                                ViewSum& views);
 
 }  // namespace burnish

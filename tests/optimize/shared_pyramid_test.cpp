@@ -57,11 +57,11 @@ test::PyramidRun pyramid_run_of(const PyramidCase& c) {
                           c.repeats, adam);
 }
 
-GradientShape gradient_shape_of(const PyramidCase& c, const PyramidMaps& maps, int count) {
-    GradientShape shape{c.width, c.height, c.channels, true};
+GradientParts gradient_parts_of(const PyramidCase& c, const PyramidMaps& maps, int count) {
+    GradientParts gradient{true, {}};
     for (int r = 0; r < count; ++r)
-        shape.parts.push_back(part_of(maps, c.channels, r, count).front().read);
-    return shape;
+        gradient.parts.push_back(part_of(maps, c.channels, r, count).front().read);
+    return gradient;
 }
 
 /// Where another search lets some texels start anew.
@@ -78,8 +78,8 @@ void expect_same_steps(const PyramidCase& c, const Ranks& ranks) {
     const PyramidPart part = part_of(own.maps, c.channels, ranks.rank, ranks.count);
     const PartExchange exchange = exchange_of(ranks);
     Image expected = start, texture = start;
-    const std::vector<GradientShape> all{gradient_shape_of(c, own.maps, 1)},
-        parts{gradient_shape_of(c, own.maps, ranks.count)};
+    const std::vector<GradientParts> all{gradient_parts_of(c, own.maps, 1)},
+        parts{gradient_parts_of(c, own.maps, ranks.count)};
     ViewSum alone, shared;
     for (std::uint32_t i = 0; i < 6; ++i) {
         for (int r = 0; r < ranks.count; ++r) {

@@ -15,18 +15,31 @@
 namespace burnish {
 namespace {
 
-const std::vector<GradientShape> kShapes = {{37, 5, 3, true}, {1, 1, 1, true}, {64, 64, 1, true}};
+struct TextureShape {
+    int width, height, channels;
+};
+constexpr TextureShape kShapes[] = {{37, 5, 3}, {1, 1, 1}, {64, 64, 1}};
+
+/// Each process gets all of each gradient.
+std::vector<GradientParts> all_to_each(int count, bool split) {
+    std::vector<GradientParts> gradients;
+    for (const TextureShape& s : kShapes) {
+        const auto floats = static_cast<std::size_t>(s.width * s.height * s.channels);
+        gradients.push_back({split, std::vector<KeptBlocks>(static_cast<std::size_t>(count),
+                                                            KeptBlocks{{{0, floats}}})});
+    }
+    return gradients;
+}
 
 /// Gradients of views, most of whose blocks are clean.
-std::vector<std::vector<SplitGradient>> gradients_of(std::size_t views,
-                                                     const std::vector<GradientShape>& shapes) {
+std::vector<std::vector<SplitGradient>> gradients_of(std::size_t views, bool split = true) {
     std::mt19937 random(5);
     std::uniform_real_distribution<float> value(-1, 1);
     std::vector<std::vector<SplitGradient>> all(views);
     for (auto& gradient : all)
-        for (const GradientShape& s : shapes) {
+        for (const TextureShape& s : kShapes) {
             SplitGradient& g = gradient.emplace_back();
-            clear(g, s.width, s.height, s.channels, s.split);
+            clear(g, s.width, s.height, s.channels, split);
             const std::size_t floats = g.first.values.size();
             for (std::size_t b = 0; b < dirty_blocks_in(floats); ++b) {
                 if (random() % 3 > 0) continue;
@@ -34,7 +47,7 @@ std::vector<std::vector<SplitGradient>> gradients_of(std::size_t views,
                 const std::size_t end = std::min(floats, begin + kDirtyBlock);
                 for (std::size_t i = begin; i < end; ++i) {
                     g.first.values[i] = value(random);
-                    if (s.split) g.second.values[i] = value(random);
+                    if (split) g.second.values[i] = value(random);
                 }
                 mark_dirty(g.dirty, begin, end);
             }
@@ -70,9 +83,9 @@ void expect_tree_sum(const std::vector<std::vector<SplitGradient>>& gradients,
 TEST(ViewSumTest, IsATreeForAnyNumberOfViews) {
     ViewSum work;
     for (std::size_t views = 1; views <= 19; ++views) {
-        const auto gradients = gradients_of(views, kShapes);
+        const auto gradients = gradients_of(views);
         for (std::size_t k = 0; k < views; ++k) add_node(k, 1, gradients[k], work);
-        expect_tree_sum(gradients, sum_of_views({}, kShapes, work));
+        expect_tree_sum(gradients, sum_of_views({}, all_to_each(1, true), work));
         EXPECT_LE(work.spare.size(), 7u) << "memory grows with the logarithm";
     }
 }
@@ -80,25 +93,24 @@ TEST(ViewSumTest, IsATreeForAnyNumberOfViews) {
 TEST(ViewSumTest, IsTheSameForAnyProcessesAndViews) {
     for (const int count : {2, 3, 5, 8})
         for (const bool split : {true, false}) {
-            std::vector<GradientShape> shapes = kShapes;
-            for (GradientShape& s : shapes) s.split = split;
+            const std::vector<GradientParts> parts = all_to_each(count, split);
             test::on_ranks(count, [&](const Ranks& ranks) {
                 ViewSum work;
                 std::mt19937 random(static_cast<unsigned>(count));  // the same on all of them
                 for (const std::size_t views : {8u, 8u, 13u, 1u, 6u}) {
-                    const auto gradients = gradients_of(views, shapes);
+                    const auto gradients = gradients_of(views, split);
                     int owner = 0;  // in ascending order; some have no view
                     for (std::size_t k = 0; k < views; ++k) {
                         if (owner + 1 < count) owner += static_cast<int>(random() % 2);
                         if (owner == ranks.rank) add_node(k, 1, gradients[k], work);
                     }
-                    const std::vector<SplitGradient>& sum = sum_of_views(ranks, shapes, work);
+                    const std::vector<SplitGradient>& sum = sum_of_views(ranks, parts, work);
                     ViewSum alone;
                     for (std::size_t k = 0; k < views; ++k) add_node(k, 1, gradients[k], alone);
-                    const std::vector<SplitGradient>& expected = sum_of_views({}, shapes, alone);
-                    for (std::size_t u = 0; u < shapes.size(); ++u) {
-                        EXPECT_EQ(sum[u].first, expected[u].first) << views;
-                        EXPECT_EQ(sum[u].second, expected[u].second) << views;
+                    const std::vector<SplitGradient>& expected = sum_of_views({}, parts, alone);
+                    for (std::size_t u = 0; u < parts.size(); ++u) {
+                        EXPECT_EQ(sum[u].first.values, expected[u].first.values) << views;
+                        EXPECT_EQ(sum[u].second.values, expected[u].second.values) << views;
                         EXPECT_EQ(sum[u].dirty, expected[u].dirty) << views;
                     }
                 }
@@ -108,7 +120,7 @@ TEST(ViewSumTest, IsTheSameForAnyProcessesAndViews) {
 
 TEST(ViewSumTest, MessagesThatWereNotSentAreRefused) {
     using Messages = std::vector<std::string>;
-    const auto gradient = gradients_of(1, kShapes).front();
+    const auto gradient = gradients_of(1).front();
     const auto error = [&](const std::function<void(Messages&)>& change) -> std::string {
         const Ranks ranks{0, 2, [&](Messages messages) {
                               change(messages);
@@ -116,7 +128,7 @@ TEST(ViewSumTest, MessagesThatWereNotSentAreRefused) {
                           }};
         ViewSum work;
         add_node(0, 1, gradient, work);
-        return test::error_of<Error>([&] { sum_of_views(ranks, kShapes, work); });
+        return test::error_of<Error>([&] { sum_of_views(ranks, all_to_each(2, true), work); });
     };
     EXPECT_EQ(error([](Messages& m) { m[1].clear(); }), "");
     EXPECT_EQ(error([](Messages& m) {
