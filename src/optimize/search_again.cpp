@@ -91,12 +91,10 @@ NewChoice choose_group(const Setup& setup, const SearchPlan& plan, std::size_t g
     NewChoice choice{sums, {}, {}};
     for (const auto& view : found)
         add(view[group].squares, choice.sums.squares), add(view[group].costs, choice.sums.costs);
-    const GroupSearch earlier{plan, plan.groups[group], sums},
-        now{plan, plan.groups[group], choice.sums};
-    const auto before = choose_labels(earlier), after = choose_again(now, earlier, before);
     const Scene& scene = scene_of(setup);
-    choice.before = make_starts(earlier, before, scene);
-    choice.after = make_starts_again(now, earlier, before, after, scene, choice.before);
+    GroupChoice before = choose({plan, plan.groups[group], sums}, scene);
+    choice.after = choose_again({plan, plan.groups[group], choice.sums}, before, scene).starts;
+    choice.before = std::move(before.starts);
     return choice;
 }
 

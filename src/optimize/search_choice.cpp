@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "core/parallel.h"
 #include "optimize/search_guide.h"
@@ -207,6 +208,37 @@ Image make_start(const GroupSearch& s, const StartInput& input,
     return start;
 }
 
+/// The candidate of each region.
+std::vector<std::uint32_t> choose_labels(const GroupSearch& s) {
+    constexpr int kShareRounds = 3;
+    const std::vector<char> known = known_regions(s);
+    std::vector<float> costs = make_costs(s);
+    fix_uniform(s, costs);
+    std::vector<std::uint32_t> leaves;
+    if (!s.group.guides.empty()) {
+        leaves = leaves_of_regions(s.group, grow_tree(s.group, known, least_costs(s, costs)));
+        add_guide_costs(s.group, leaves, known, costs);
+    }
+    const std::vector<float> distances = make_distances(s.group);
+    const auto label = [&](const std::vector<float>& all) {
+        return label_regions(s.group.regions, known, all, distances, leaves);
+    };
+    std::vector<std::uint32_t> labels = label(costs);
+    if (s.group.guides.empty() && s.group.members.size() > 1)
+        for (int round = 0; round < kShareRounds; ++round)
+            labels = label(with_share_costs(known, labels, s.candidates(), costs));
+    return labels;
+}
+
+std::vector<Image> make_starts(const GroupSearch& s, const std::vector<std::uint32_t>& labels,
+                               const Scene& scene) {
+    const StartInput input = start_input(s, labels, scene);
+    std::vector<Image> starts;
+    for (std::size_t m = 0; m < s.group.members.size(); ++m)
+        starts.push_back(make_start(s, input, labels, scene, m));
+    return starts;
+}
+
 }  // namespace
 
 GroupColors choose_colors(const GroupSearch& s) {
@@ -235,62 +267,36 @@ std::vector<float> with_share_costs(const std::vector<char>& known,
     return costs;
 }
 
-std::vector<std::uint32_t> choose_labels(const GroupSearch& s) {
-    constexpr int kShareRounds = 3;
-    const std::vector<char> known = known_regions(s);
-    std::vector<float> costs = make_costs(s);
-    fix_uniform(s, costs);
-    std::vector<std::uint32_t> leaves;
-    if (!s.group.guides.empty()) {
-        leaves = leaves_of_regions(s.group, grow_tree(s.group, known, least_costs(s, costs)));
-        add_guide_costs(s.group, leaves, known, costs);
-    }
-    const std::vector<float> distances = make_distances(s.group);
-    const auto choose = [&](const std::vector<float>& all) {
-        return label_regions(s.group.regions, known, all, distances, leaves);
-    };
-    std::vector<std::uint32_t> labels = choose(costs);
-    if (s.group.guides.empty() && s.group.members.size() > 1)
-        for (int round = 0; round < kShareRounds; ++round)
-            labels = choose(with_share_costs(known, labels, s.candidates(), costs));
-    return labels;
+GroupChoice choose(const GroupSearch& search, const Scene& scene) {
+    std::vector<std::uint32_t> labels = choose_labels(search);
+    std::vector<Image> starts = make_starts(search, labels, scene);
+    return {search, std::move(labels), std::move(starts)};
 }
 
-std::vector<std::uint32_t> choose_again(const GroupSearch& s, const GroupSearch& earlier,
-                                        const std::vector<std::uint32_t>& before) {
-    const std::vector<float> distances = make_distances(s.group);
-    std::vector<std::uint32_t> labels = choose_labels(s);
+GroupChoice choose_again(const GroupSearch& search, const GroupChoice& earlier,
+                         const Scene& scene) {
+    const std::vector<float> distances = make_distances(search.group);
+    const std::vector<std::uint32_t>& before = earlier.labels;
+    std::vector<std::uint32_t> labels = choose_labels(search);
     for (std::uint32_t r = 0; r < labels.size(); ++r)
-        if (earlier.is_known(r) && distances[labels[r] * s.candidates() + before[r]] <= kStep)
+        if (earlier.search.is_known(r) &&
+            distances[labels[r] * search.candidates() + before[r]] <= kStep)
             labels[r] = before[r];
-    return labels;
-}
-
-std::vector<Image> make_starts(const GroupSearch& s, const std::vector<std::uint32_t>& labels,
-                               const Scene& scene) {
-    const StartInput input = start_input(s, labels, scene);
-    std::vector<Image> starts;
-    for (std::size_t m = 0; m < s.group.members.size(); ++m)
-        starts.push_back(make_start(s, input, labels, scene, m));
-    return starts;
-}
-
-std::vector<Image> make_starts_again(const GroupSearch& s, const GroupSearch& earlier,
-                                     const std::vector<std::uint32_t>& before,
-                                     const std::vector<std::uint32_t>& labels, const Scene& scene,
-                                     const std::vector<Image>& starts) {
-    std::vector<Image> again = make_starts(s, labels, scene);
-    for (std::size_t m = 0; m < again.size(); ++m)
-        for_texels_in_regions(s, scene, m, [&](std::uint32_t region, std::size_t, int x, int y) {
-            const bool becomes_known = s.is_known(region) && !earlier.is_known(region);
+    std::vector<Image> starts = make_starts(search, labels, scene);
+    for (std::size_t m = 0; m < starts.size(); ++m) {
+        const auto keep = [&](std::uint32_t region, std::size_t, int x, int y) {
+            const bool becomes_known = search.is_known(region) && !earlier.search.is_known(region);
             if (labels[region] != before[region] || becomes_known) return;
-            for (int c = 0; c < again[m].channels; ++c)
-                again[m].at(x, y, c) = starts[m].at(x, y, c);
-        });
-    return again;
+            for (int c = 0; c < starts[m].channels; ++c)
+                starts[m].at(x, y, c) = earlier.starts[m].at(x, y, c);
+        };
+        for_texels_in_regions(search, scene, m, keep);
+    }
+    return {search, std::move(labels), std::move(starts)};
 }
 
-SearchedGroup describe(const GroupSearch& s, const std::vector<std::uint32_t>& labels) {
+SearchedGroup describe(const GroupChoice& choice) {
+    const GroupSearch& s = choice.search;
     SearchedGroup group{s.group.members, {}, {}};
     double squares = 0;
     for (const double q : s.sums.squares) squares += q;
@@ -298,7 +304,7 @@ SearchedGroup describe(const GroupSearch& s, const std::vector<std::uint32_t>& l
         SearchedValues tried{s.group.candidates[k], 0, 0};
         for (std::size_t r = 0; r < s.regions(); ++r) {
             tried.loss += s.sums.losses[r * s.candidates() + k];
-            tried.regions += s.is_known(r) && labels[r] == k;
+            tried.regions += s.is_known(r) && choice.labels[r] == k;
         }
         tried.loss /= std::max(1.0, 3 * squares);
         group.tried.push_back(std::move(tried));

@@ -15,28 +15,24 @@ std::vector<float> with_share_costs(const std::vector<char>& known,
                                     const std::vector<std::uint32_t>& labels,
                                     std::size_t candidates, std::vector<float> costs);
 
-/// The candidate of each region: where its own squares leave it open, as that of regions whose
-/// guides are alike, and as its neighbours'.
-std::vector<std::uint32_t> choose_labels(const GroupSearch& s);
+/// What is chosen for a group.
+struct GroupChoice {
+    GroupSearch search;
+    std::vector<std::uint32_t> labels;  ///< the candidate of each region
+    std::vector<Image> starts;          ///< the members' textures, [height, width, channels]
+};
 
-/// The same, after an earlier choice from less: regions that it knew keep that one unless the new
-/// one is more than a step of the candidates away, since descent finds its way there.
-std::vector<std::uint32_t> choose_again(const GroupSearch& s, const GroupSearch& earlier,
-                                        const std::vector<std::uint32_t>& before);
+/// A region whose own squares leave it open has the label of regions whose guides are alike, and of
+/// its neighbours. The starts follow from the labels; with guides each texel is as its leaf, moved
+/// by what its region differs from what they say.
+GroupChoice choose(const GroupSearch& search, const Scene& scene);
 
-/// The textures of the group's members, [height, width, channels] each, that follow from labels;
-/// with guides each texel as its leaf, moved by what its region differs from what they say.
-std::vector<Image> make_starts(const GroupSearch& s, const std::vector<std::uint32_t>& labels,
-                               const Scene& scene);
-
-/// The same after a search that follows `earlier`: regions whose label is still that of `before`
-/// stay as they are in `starts`, which were made of these, but those that become known.
-std::vector<Image> make_starts_again(const GroupSearch& s, const GroupSearch& earlier,
-                                     const std::vector<std::uint32_t>& before,
-                                     const std::vector<std::uint32_t>& labels, const Scene& scene,
-                                     const std::vector<Image>& starts);
+/// The same, after an earlier choice from less: regions that it knew keep their label unless the
+/// new one is more than a step of the candidates away, since descent finds its way there. Regions
+/// whose label stays keep their start, but those that become known.
+GroupChoice choose_again(const GroupSearch& search, const GroupChoice& earlier, const Scene& scene);
 
 /// What was tried, for people.
-SearchedGroup describe(const GroupSearch& s, const std::vector<std::uint32_t>& labels);
+SearchedGroup describe(const GroupChoice& choice);
 
 }  // namespace burnish

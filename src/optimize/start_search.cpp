@@ -84,14 +84,13 @@ FoundStarts search_starts(std::span<const SearchView> views,
     std::vector<SearchFrame> frames = make_search_frames(plan, exposed);
     FoundStarts found{std::vector<Image>(unknowns.size()), {}, sum_views(plan, frames, progress)};
     for (std::size_t g = 0; g < plan.groups.size(); ++g) {
-        const GroupSearch s{plan, plan.groups[g], found.sums[g]};
-        const auto labels = choose_labels(s);
-        std::vector<Image> starts = make_starts(s, labels, scene);
-        for (std::size_t m = 0; m < starts.size(); ++m)
-            found.textures[s.group.members[m]] = std::move(starts[m]);
-        found.groups.push_back(describe(s, labels));
-        found.groups.back().guides = names_of(scene, s.group.guides);
-        if (!may_search_again(s.group)) found.sums[g] = {};
+        const SearchGroup& group = plan.groups[g];
+        GroupChoice choice = choose({plan, group, found.sums[g]}, scene);
+        for (std::size_t m = 0; m < choice.starts.size(); ++m)
+            found.textures[group.members[m]] = std::move(choice.starts[m]);
+        found.groups.push_back(describe(choice));
+        found.groups.back().guides = names_of(scene, group.guides);
+        if (!may_search_again(group)) found.sums[g] = {};
     }
     if (has_bounces(scene) && has_color(plan)) draw_back_colors(frames, found.textures);
     return found;
