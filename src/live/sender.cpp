@@ -37,33 +37,33 @@ double processor_seconds() {
 
 }  // namespace
 
-struct Sender::Shared {
+struct SenderState {
     Address address;
     std::function<void(const std::string&)> note;
     pid_t process = getpid();  ///< which has the thread: a fork of it has none
     std::atomic<bool> abandoned = false;
 
-    std::mutex mutex = {};  ///< guards the rest
+    std::mutex mutex = {};  ///< guards the rest, but the thread reads `shown` without it
     std::condition_variable changed = {};
     std::vector<Message> queue = {};
     bool busy = false, closed = false;
-    bool telling = false;                    ///< the note is called, without the lock
-    std::map<std::string, Size> shown = {};  ///< images that the viewer has
-    Clock::time_point retry = {};            ///< no viewer is looked for before
+    bool telling = false;  ///< the note is called, without the lock
+    /// Images that the viewer has. The thread alone writes it.
+    std::map<std::string, Size> shown = {};
+    Clock::time_point retry = {};  ///< no viewer is looked for before
     double cost = 0;
 };
 
 namespace {
 
 /// Sends what the messages say, through a connection that it makes where there is none.
-template <class Shared>
 class Batch {
   public:
-    Batch(Shared& shared, std::optional<Connection>& connection)
-        : shared_(shared), connection_(connection) {}
+    Batch(SenderState& state, std::optional<Connection>& connection)
+        : state_(state), connection_(connection) {}
 
     void send(const Message& message) {
-        if (!connection_) connection_.emplace(shared_.address);
+        if (!connection_) connection_.emplace(state_.address);
         switch (message.kind) {
             case Message::Kind::kShow:
                 return show(message);
@@ -78,36 +78,29 @@ class Batch {
     void show(const Message& m) {
         const Image& image = m.image;
         const Size size{image.width, image.height, image.channels};
-        bool is_first = false;
-        if (!has(m.name, size, is_first)) connection_->send(create_packet(m.name, image, is_first));
+        const auto found = state_.shown.find(m.name);
+        if (found == state_.shown.end() || found->second != size)
+            connection_->send(create_packet(m.name, image, state_.shown.empty()));
         const std::size_t row = image.index(0, 1);
         const int rows = static_cast<int>(std::max<std::size_t>(1, kPacketValues / row));
-        for (int y = 0; y < image.height && !shared_.abandoned; y += rows)
+        for (int y = 0; y < image.height && !state_.abandoned; y += rows)
             connection_->send(update_packet(m.name, image, y, std::min(rows, image.height - y)));
-        const std::lock_guard lock(shared_.mutex);
-        shared_.shown[m.name] = size;
-    }
-
-    bool has(const std::string& name, const Size& size, bool& is_first) const {
-        const std::lock_guard lock(shared_.mutex);
-        is_first = shared_.shown.empty();
-        const auto found = shared_.shown.find(name);
-        return found != shared_.shown.end() && found->second == size;
+        const std::lock_guard lock(state_.mutex);
+        state_.shown[m.name] = size;
     }
 
     void close(const Message& m) {
         connection_->send(close_packet(m.name));
-        const std::lock_guard lock(shared_.mutex);
-        shared_.shown.erase(m.name);
+        const std::lock_guard lock(state_.mutex);
+        state_.shown.erase(m.name);
     }
 
-    Shared& shared_;
+    SenderState& state_;
     std::optional<Connection>& connection_;
 };
 
 /// The viewer is not there, or not any more.
-template <class Shared>
-void give_up(Shared& s, std::unique_lock<std::mutex>& lock, const std::string& reason) {
+void give_up(SenderState& s, std::unique_lock<std::mutex>& lock, const std::string& reason) {
     s.queue.clear();
     s.shown.clear();
     s.retry = Clock::now() + kUntilRetry;
@@ -126,8 +119,7 @@ void give_up(Shared& s, std::unique_lock<std::mutex>& lock, const std::string& r
 }
 
 /// What is wrong; empty: nothing.
-template <class Shared>
-std::string send_all(Shared& s, const std::vector<Message>& messages,
+std::string send_all(SenderState& s, const std::vector<Message>& messages,
                      std::optional<Connection>& connection) {
     try {
         Batch batch(s, connection);
@@ -141,8 +133,7 @@ std::string send_all(Shared& s, const std::vector<Message>& messages,
 }
 
 /// The thread.
-template <class Shared>
-void serve(const std::shared_ptr<Shared>& s) {
+void serve(const std::shared_ptr<SenderState>& s) {
     std::optional<Connection> connection;
     std::unique_lock lock(s->mutex);
     while (true) {
@@ -167,12 +158,12 @@ void serve(const std::shared_ptr<Shared>& s) {
 }  // namespace
 
 Sender::Sender(Address address, std::function<void(const std::string&)> note)
-    : shared_(new Shared{std::move(address), std::move(note)}) {
-    std::thread([shared = shared_] { serve(shared); }).detach();
+    : state_(new SenderState{std::move(address), std::move(note)}) {
+    std::thread([state = state_] { serve(state); }).detach();
 }
 
 Sender::~Sender() {
-    Shared& s = *shared_;
+    SenderState& s = *state_;
     if (s.process != getpid()) return;
     std::function<void(const std::string&)> unheard;  // what it holds goes without the lock
     std::unique_lock lock(s.mutex);
@@ -185,7 +176,7 @@ Sender::~Sender() {
 }
 
 void Sender::push(Message message) {
-    Shared& s = *shared_;
+    SenderState& s = *state_;
     if (s.process != getpid()) return;
     const std::lock_guard lock(s.mutex);
     std::erase_if(s.queue, [&](const Message& m) { return m.name == message.name; });
@@ -194,21 +185,21 @@ void Sender::push(Message message) {
 }
 
 bool Sender::is_idle() const {
-    Shared& s = *shared_;
+    SenderState& s = *state_;
     if (s.process != getpid()) return false;
     const std::lock_guard lock(s.mutex);
     return s.queue.empty() && !s.busy && Clock::now() >= s.retry;
 }
 
 bool Sender::has_shown(const std::string& name) const {
-    Shared& s = *shared_;
+    SenderState& s = *state_;
     if (s.process != getpid()) return false;
     const std::lock_guard lock(s.mutex);
     return s.shown.count(name) > 0;
 }
 
 double Sender::cost() const {
-    Shared& s = *shared_;
+    SenderState& s = *state_;
     if (s.process != getpid()) return 0;
     const std::lock_guard lock(s.mutex);
     return s.cost;

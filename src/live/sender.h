@@ -17,6 +17,8 @@ struct Message {
     Image image = {};
 };
 
+struct SenderState;
+
 class Sender {
   public:
     /// note: hears once why nothing is sent, from the thread; never after the destructor, which
@@ -37,8 +39,7 @@ class Sender {
     double cost() const;
 
   private:
-    struct Shared;
-    std::shared_ptr<Shared> shared_;
+    std::shared_ptr<SenderState> state_;  ///< the thread has it, too
 };
 
 }  // namespace burnish
