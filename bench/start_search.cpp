@@ -91,7 +91,7 @@ void measure(const Pictures& p, const std::string& parameter, std::vector<std::s
                   << std::endl;
     const ChartMap charts = texture_charts(scene, texture);
     const SearchUnknown unknown{texture, charts, guides_of(scene, texture, {&texture, 1})};
-    if (counts.empty()) counts = {p.views.size()};
+    if (counts.empty()) counts = {std::min(p.views.size(), kMaxSearchViews)};
     for (const std::size_t count : counts)
         for (std::uint32_t seed = 0; seed < runs; ++seed) {
             const auto views = some_views(p, std::min(count, p.views.size()));
@@ -119,7 +119,7 @@ int main(int argc, char** argv) {
     app.add_option("--target-spp", target_samples);
     std::vector<std::string> judged;
     app.add_option("--judge", judged, "textures whose errors to tell, too");
-    app.add_option("--views", counts, "of a capture");
+    app.add_option("--views", counts, "of a capture; else as many as a run searches");
     CLI11_PARSE(app, argc, argv);
     try {
         measure(is_capture(where.file) ? read_pictures(where.file)

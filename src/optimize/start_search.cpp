@@ -24,11 +24,10 @@ double effort_of(const Options& options) {
                : 1;
 }
 
-/// At most so many of `count` views, spread evenly.
+/// Of `count` views those that a run searches.
 std::vector<std::size_t> some_of(std::size_t count) {
-    constexpr std::size_t kMaxViews = 16;
     std::vector<std::size_t> some;
-    const std::size_t most = std::min(count, kMaxViews);
+    const std::size_t most = std::min(count, kMaxSearchViews);
     for (std::size_t i = 0; i < most; ++i) some.push_back(i * count / most);
     return some;
 }
@@ -75,12 +74,10 @@ std::vector<GroupSums> sum_views(const SearchPlan& plan, std::span<SearchFrame> 
 FoundStarts search_starts(std::span<const SearchView> views,
                           std::span<const SearchUnknown> unknowns, std::uint32_t seed,
                           double effort, const Progress& progress, const Theta& others) {
-    std::vector<SearchView> some;
-    for (const std::size_t v : some_of(views.size())) some.push_back(views[v]);
-    const Scene& scene = *some.front().scene.scene;
-    SearchPlan plan = make_search_plan(some, unknowns, seed, effort);
+    const Scene& scene = *views.front().scene.scene;
+    SearchPlan plan = make_search_plan(views, unknowns, seed, effort);
     plan.others = &others;
-    const std::vector<SearchView> exposed = with_exposures(plan, some);
+    const std::vector<SearchView> exposed = with_exposures(plan, views);
     std::vector<SearchFrame> frames = make_search_frames(plan, exposed);
     FoundStarts found{std::vector<Image>(unknowns.size()), {}, sum_views(plan, frames, progress)};
     for (std::size_t g = 0; g < plan.groups.size(); ++g) {

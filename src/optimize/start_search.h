@@ -11,6 +11,9 @@
 
 namespace burnish {
 
+/// A run searches no more of its views, spread evenly.
+inline constexpr std::size_t kMaxSearchViews = 16;
+
 struct FoundStarts {
     std::vector<Image> textures;  ///< parallel to the unknowns, [height, width, channels]
     /// Which of them were searched together, and what was tried.
@@ -40,7 +43,7 @@ struct SearchInput {
     std::vector<std::size_t> indices;     ///< into Setup::unknowns
     std::vector<SearchUnknown> unknowns;  ///< parallel to indices
     std::vector<std::size_t> fitted;      ///< indices into Setup::fitted
-    std::vector<SearchView> views;        ///< parallel to fitted, as many as a search looks at
+    std::vector<SearchView> views;        ///< parallel to fitted, kMaxSearchViews at most
 };
 SearchInput search_input(const Setup& setup);
 
