@@ -185,8 +185,7 @@ Lens lens_of(const Frame& frame) {
     return lens;
 }
 
-/// That of a picture that the file says nothing of. Those of one camera are as large as one
-/// another.
+/// Of a frame's picture.
 struct Size {
     int width = 0, height = 0;
     std::string of;  ///< the picture that has it; empty: the file says it

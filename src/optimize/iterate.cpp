@@ -154,7 +154,6 @@ constexpr const char* kNoMemory = "there is not enough memory for the textures a
 /// What an iteration that is given up has added up.
 void drop_sums(Workspace& workspace) {
     workspace.sum = {};
-    if (workspace.last >= workspace.views.size()) return;
     for (TexelSums& sums : workspace.views[workspace.last].estimator.cache.sums) sums.bands.clear();
 }
 

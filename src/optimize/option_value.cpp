@@ -236,7 +236,6 @@ BURNISH_OPTION_VALUE(std::string)
 BURNISH_OPTION_VALUE(std::optional<bool>)
 BURNISH_OPTION_VALUE(std::optional<float>)
 BURNISH_OPTION_VALUE(std::optional<double>)
-BURNISH_OPTION_VALUE(std::optional<std::uint32_t>)
 BURNISH_OPTION_VALUE(std::optional<Estimator>)
 
 #define BURNISH_CHOICE(E)                          \

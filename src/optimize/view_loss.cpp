@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <limits>
+#include <utility>
 
 #include "burnish/error.h"
 #include "image/image.h"
@@ -68,13 +69,12 @@ double loss_value_of(const Setup& setup, std::size_t view, const ExposureFactors
     return exposure == kNone ? evaluate(image) : evaluate(exposed(exposure, image));
 }
 
-double held_out_loss(const Setup& setup, std::size_t view, const Image& a, const Image& b) {
+double held_out_loss(const Setup& setup, std::size_t view, Image a, Image b) {
     const View& v = setup.problem.views[view];
     const ExposureFactors exposure = exposure_of(setup, view, a, b);
     if (setup.problem.loss) return loss_value_of(setup, view, exposure, mean_of(a, b));
-    if (exposure == kNone) return loss_of_halves(setup.options.loss, a, b, v.image, v.mask);
-    return loss_of_halves(setup.options.loss, exposed(exposure, a), exposed(exposure, b), v.image,
-                          v.mask);
+    return loss_of_halves(setup.options.loss, exposed(exposure, std::move(a)),
+                          exposed(exposure, std::move(b)), v.image, v.mask);
 }
 
 bool is_noise_known(const Setup& setup) {

@@ -22,7 +22,7 @@ double loss_value_of(const Setup& setup, std::size_t view, const ExposureFactors
                      const Image& image);
 /// The loss of the image that a and b, independent of each other, are noisy versions of, without
 /// their noise where that is known: see loss_of_halves. Of a loss of your own: that of their mean.
-double held_out_loss(const Setup& setup, std::size_t view, const Image& a, const Image& b);
+double held_out_loss(const Setup& setup, std::size_t view, Image a, Image b);
 /// Whether it is known what noise adds to the loss: not to l1, nor to a loss of your own.
 bool is_noise_known(const Setup& setup);
 /// What noise of the size of (a - b) / 2 adds to the loss on average; NaN where that is not known.
