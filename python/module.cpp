@@ -42,8 +42,10 @@ void bind_errors(nb::module_& m) {
                                  "Input that cannot be used.");
     types.resource = exception_type(m, "ResourceError", types.error, PyExc_RuntimeError,
                                     "A resource that is not there.");
-    types.output = exception_type(m, "OutputError", types.error, PyExc_OSError,
-                                  "A file or folder that cannot be written.");
+    types.output =
+        exception_type(m, "OutputError", types.error, PyExc_OSError,
+                       "A file or folder that cannot be written, or a folder of checkpoints that "
+                       "cannot be read.");
     nb::register_exception_translator([](const std::exception_ptr& p, void*) {
         try {
             std::rethrow_exception(p);

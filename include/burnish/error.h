@@ -24,7 +24,8 @@ struct ResourceError : Error {
     using Error::Error;
 };
 
-/// A file or folder that cannot be written. what() names it and says why.
+/// A file or folder that cannot be written, or a folder of checkpoints that cannot be read. what()
+/// names it and says why.
 struct OutputError : Error {
     using Error::Error;
 };
