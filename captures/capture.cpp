@@ -10,7 +10,6 @@
 #include "captures/json_value.h"
 #include "core/positive_float.h"
 #include "core/require.h"
-#include "core/transform.h"
 #include "image/image.h"
 #include "image/texels.h"
 #include "image/whole.h"
@@ -38,18 +37,13 @@ Camera camera_with_model(const Value& v) {
         require_member(v, name);
     const CameraModel* model = find_camera_model(text(member(v, "model")));
     if (!model) fail(member(v, "model"), "one of " + camera_model_names());
-    const Value params = member(v, "params"), to_world = member(v, "camera_to_world");
+    const Value params = member(v, "params");
     Camera camera = make_camera(*model, side(member(v, "width")), side(member(v, "height")),
                                 numbers(params, parameter_count(*model)));
     for (std::size_t i = 0; i < model->focals; ++i)
         if (number(element(params, i)) <= 0)
             fail(element(params, i), "a focal length above 0, in pixels");
-    camera.camera_to_world = matrix(to_world);
-    if (!is_rigid(Transform{camera.camera_to_world}))
-        fail(to_world, "a rotation and a translation that do not scale, shear or mirror");
-    const std::array<double, 3> signs = axes(v);
-    for (std::size_t row = 0; row < 3; ++row)
-        for (std::size_t c = 0; c < 3; ++c) camera.camera_to_world[4 * row + c] *= signs[c];
+    camera.camera_to_world = camera_to_world(member(v, "camera_to_world"), axes(v));
     return camera;
 }
 

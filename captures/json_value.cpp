@@ -8,6 +8,7 @@
 #include <set>
 
 #include "burnish/error.h"
+#include "core/transform.h"
 #include "image/files.h"
 #include "image/image.h"
 
@@ -104,6 +105,15 @@ Matrix matrix(const Value& v) {
         const std::vector<double> r = numbers(element(v, row), 4);
         std::copy(r.begin(), r.end(), m.begin() + static_cast<std::ptrdiff_t>(4 * row));
     }
+    return m;
+}
+
+Matrix camera_to_world(const Value& v, const std::array<double, 3>& axes) {
+    Matrix m = matrix(v);
+    if (!is_rigid(Transform{m}))
+        fail(v, "a rotation and a translation that do not scale, shear or mirror");
+    for (std::size_t row = 0; row < 3; ++row)
+        for (std::size_t c = 0; c < 3; ++c) m[4 * row + c] *= axes[c];
     return m;
 }
 

@@ -2,6 +2,7 @@
 // What reads one throws InputError: the place, what was found and what was expected.
 #pragma once
 
+#include <array>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <string_view>
@@ -37,6 +38,9 @@ double number(const Value& v);
 std::vector<double> numbers(const Value& v, std::size_t count);
 /// Four rows of four numbers.
 Matrix matrix(const Value& v);
+/// Camera::camera_to_world, of a camera whose axes are x right, y down and z forward with these
+/// signs.
+Matrix camera_to_world(const Value& v, const std::array<double, 3>& axes);
 /// A side of a picture: see is_side.
 int side(const Value& v);
 

@@ -6,6 +6,7 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <filesystem>
 #include <initializer_list>
@@ -19,7 +20,6 @@
 #include "burnish/error.h"
 #include "captures/camera_model.h"
 #include "captures/json_value.h"
-#include "core/transform.h"
 #include "image/image.h"
 
 namespace burnish {
@@ -207,16 +207,6 @@ Size size_of(const Frame& frame, const std::string& picture, Size& known) {
     return known;
 }
 
-Matrix camera_to_world(const Value& frame) {
-    require_member(frame, "transform_matrix");
-    const Value v = member(frame, "transform_matrix");
-    Matrix m = matrix(v);
-    if (!is_rigid(Transform{m}))
-        fail(v, "a rotation and a translation that do not scale, shear or mirror");
-    for (std::size_t row = 0; row < 3; ++row) m[4 * row + 1] *= -1, m[4 * row + 2] *= -1;
-    return m;
-}
-
 /// "train/r_0" of "./train/r_0".
 std::string name_of_path(const std::string& path) {
     return std::filesystem::path(path).lexically_normal().generic_string();
@@ -293,7 +283,9 @@ CapturedView view_of(const Frame& frame, const std::string& folder, Size& known)
     camera.center_x = frame.find_number("cx").value_or(0.5 * camera.width);
     camera.center_y = frame.find_number("cy").value_or(0.5 * camera.height);
     camera.lens = lens_of(frame);
-    camera.camera_to_world = camera_to_world(frame.frame);
+    require_member(frame.frame, "transform_matrix");
+    constexpr std::array<double, 3> kOpenGl{1, -1, -1};
+    camera.camera_to_world = camera_to_world(member(frame.frame, "transform_matrix"), kOpenGl);
     captured.view.camera = camera;
     return captured;
 }
