@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <limits>
 #include <map>
 #include <set>
 
@@ -9,7 +10,7 @@
 #include "captures/camera_model.h"
 #include "captures/json_value.h"
 #include "core/positive_float.h"
-#include "core/require.h"
+#include "core/transform.h"
 #include "image/image.h"
 #include "image/texels.h"
 #include "image/whole.h"
@@ -79,12 +80,26 @@ SharedImage sky_of(const std::string& file, Skies& skies) {
     return skies[file] = sky;
 }
 
+double scale_of(const Value& v) {
+    const double scale = number(v);
+    if (!(scale >= 0 && scale <= std::numeric_limits<float>::max()))
+        fail(v, "a number from 0 to 3.4e38");
+    return scale;
+}
+
+/// Its translation counts nothing: skies are infinitely far away.
+Matrix rotation(const Value& v) {
+    const Matrix m = matrix(v);
+    if (!is_rigid(Transform{m})) fail(v, "a rotation that does not scale, shear or mirror");
+    return m;
+}
+
 Environment environment_of(const Value& v, Skies& skies) {
     check_object(v, {"file", "scale", "to_world"});
     Environment environment;
     if (has(v, "file")) environment.image = sky_of(file_of(member(v, "file")), skies);
-    if (has(v, "scale")) environment.scale = number(member(v, "scale"));
-    if (has(v, "to_world")) environment.to_world = matrix(member(v, "to_world"));
+    if (has(v, "scale")) environment.scale = scale_of(member(v, "scale"));
+    if (has(v, "to_world")) environment.to_world = rotation(member(v, "to_world"));
     return environment;
 }
 
@@ -160,6 +175,11 @@ CapturedView view_of(const Value& v, std::size_t number, Skies& skies) {
     return captured;
 }
 
+std::string definition_of(const Value& v) {
+    if (v.value.is_null() || v.value.is_structured()) fail(v, "a text or a number");
+    return v.value.is_string() ? text(v) : v.value.dump();
+}
+
 }  // namespace
 
 Capture read_capture(const std::string& file) {
@@ -178,7 +198,7 @@ Capture read_capture(const std::string& file) {
         const Value defines = member(root, "defines");
         if (!defines.value.is_object()) fail(defines, "an object of texts");
         for (const auto& [name, value] : defines.value.items())
-            capture.definitions[name] = value.is_string() ? value.get<std::string>() : value.dump();
+            capture.definitions[name] = definition_of(member(defines, name));
     }
     const Value views = member(root, "views");
     if (!views.value.is_array() || views.value.empty())

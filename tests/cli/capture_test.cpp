@@ -45,7 +45,8 @@ struct CaptureTest : Program {
 TEST_F(CaptureTest, SaysWhatItsViewsAre) {
     write_image(folder / "sky.exr", make_image(4, 2, 3, 2.0f));
     const Capture capture = read(R"({
-      "version": 1, "scene": "scenes/scene.xml", "defines": {"integrator": "path", "n": 3},
+      "version": 1, "scene": "scenes/scene.xml",
+      "defines": {"integrator": "path", "n": 3, "on": true},
       "views": [
         {"camera": {"sensor": "cam"}, "image": "a.exr", "encoding": "linear"},
         {"name": "left", "image": "b.png", "encoding": "srgb", "mask": "m.png", "exposure": 2,
@@ -61,6 +62,7 @@ TEST_F(CaptureTest, SaysWhatItsViewsAre) {
     EXPECT_EQ(capture.scene, (folder / "scenes/scene.xml").string());
     EXPECT_EQ(capture.definitions.at("integrator"), "path");
     EXPECT_EQ(capture.definitions.at("n"), "3");
+    EXPECT_EQ(capture.definitions.at("on"), "true");
     ASSERT_EQ(capture.views.size(), 3u);
     EXPECT_EQ(capture.views[0].view.name, "view_000");
     EXPECT_EQ(std::get<Sensor>(capture.views[0].view.camera).name, "cam");
@@ -125,6 +127,17 @@ TEST_F(CaptureTest, WhatIsWrongIsSaidWithItsKey) {
         {with_keys(R"(, "environment": {"file": "none.exr"})"), "none.exr"},
         {with_keys(R"(, "environment": {"scale": "x"})"),
          "views[0].environment.scale: found \"x\""},
+        {with_keys(R"(, "environment": {"scale": -1})"),
+         "views[0].environment.scale: found -1, expected a number from 0 to 3.4e38"},
+        {with_keys(R"(, "environment": {"scale": 1e39})"),
+         "views[0].environment.scale: found 1e+39, expected a number from 0 to 3.4e38"},
+        {with_keys(R"(, "environment": {"to_world": [[2,0,0,0],[0,1,0,0],[0,0,1,0],[0,0,0,1]]})"),
+         "views[0].environment.to_world: found [[2,0,0,0],[0,1,0,0],[0,0,1,0],[0,0,0,1]], expected "
+         "a rotation that does not scale, shear or mirror"},
+        {R"({"version": 1, "scene": "s", "defines": {"n": null}, "views": []})",
+         "defines.n: found null, expected a text or a number"},
+        {R"({"version": 1, "scene": "s", "defines": {"n": [1]}, "views": []})",
+         "defines.n: found [1], expected a text or a number"},
         {with_keys(R"(, "image": "a.exr", "encoding": "log")"),
          "views[0].encoding: found \"log\", expected \"linear\", \"srgb\" or {\"gamma\": 2.2}"},
         {with_keys(R"(, "image": "a.exr", "encoding": {"gamma": 0})"),
