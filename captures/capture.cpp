@@ -97,7 +97,11 @@ Matrix rotation(const Value& v) {
 Environment environment_of(const Value& v, Skies& skies) {
     check_object(v, {"file", "scale", "to_world"});
     Environment environment;
-    if (has(v, "file")) environment.image = sky_of(file_of(member(v, "file")), skies);
+    if (has(v, "file")) {
+        const Value named = member(v, "file");
+        const std::string file = file_of(named);
+        environment.image = at_place(place_of(named), [&] { return sky_of(file, skies); });
+    }
     if (has(v, "scale")) environment.scale = scale_of(member(v, "scale"));
     if (has(v, "to_world")) environment.to_world = rotation(member(v, "to_world"));
     return environment;
@@ -156,6 +160,7 @@ CapturedView view_of(const Value& v, std::size_t number, Skies& skies) {
                      "environment", "camera", "split"});
     require_member(v, "camera");
     CapturedView captured;
+    captured.place = place_of(v);
     View& view = captured.view;
     view.name = has(v, "name") ? text(member(v, "name")) : fmt::format("view_{:03}", number);
     if (has(v, "image")) captured.image = file_of(member(v, "image"));

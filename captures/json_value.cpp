@@ -48,12 +48,13 @@ json parse_json(std::string_view text, const std::string& file, std::size_t firs
     }
 }
 
+std::string place_of(const Value& v) { return v.key.empty() ? v.file : v.file + ": " + v.key; }
+
 void fail(const Value& v, const std::string& expected) {
     constexpr std::size_t kMaxShown = 60;
     std::string found = v.value.dump(-1, ' ', false, json::error_handler_t::replace);
     if (found.size() > kMaxShown) found = found.substr(0, kMaxShown) + " ...";
-    throw InputError(fmt::format("{}: {}{}found {}, expected {}", v.file, v.key,
-                                 v.key.empty() ? "" : ": ", found, expected));
+    throw InputError(fmt::format("{}: found {}, expected {}", place_of(v), found, expected));
 }
 
 Value member(const Value& object, const std::string& name) {
@@ -76,8 +77,7 @@ void check_object(const Value& v, const std::vector<std::string>& known) {
 
 void require_member(const Value& object, const char* name) {
     if (!has(object, name))
-        throw InputError(fmt::format("{}: {}expected the key \"{}\"", object.file,
-                                     object.key.empty() ? "" : object.key + ": ", name));
+        throw InputError(fmt::format("{}: expected the key \"{}\"", place_of(object), name));
 }
 
 std::string text(const Value& v) {

@@ -23,6 +23,9 @@ nlohmann::json parse_json(const std::string& file, const std::string& what);
 nlohmann::json parse_json(std::string_view text, const std::string& file, std::size_t first,
                           const std::string& what);
 
+/// "capture.json: views[0].camera", in messages.
+std::string place_of(const Value& v);
+
 [[noreturn]] void fail(const Value& v, const std::string& expected);
 
 Value member(const Value& object, const std::string& name);

@@ -18,7 +18,6 @@
 #include "cli/unseeing_views.h"
 #include "cli/view_pictures.h"
 #include "gradient/theta.h"
-#include "optimize/views.h"
 #include "scene/blends.h"
 #include "scene/constants.h"
 
@@ -308,7 +307,7 @@ void run(const InfoOptions& options) {
     const Renderer renderer = make_renderer_with_progress(std::move(loaded), scene.light_selection);
     const std::vector<CheckedView> checked = check_views(renderer, captured);
     const Problem problem = problem_of(renderer, captured, checked);
-    const std::vector<Renderer> renderers = make_views(problem);
+    const std::vector<Renderer> renderers = make_captured_views(problem, captured);
     SceneFacts facts = inspect(renderer.data().traced, fitted_scenes(problem, renderers));
     for (const CheckedView& c : checked)
         if (!c.complaint.empty()) facts.findings.push_back(c.complaint);

@@ -78,9 +78,11 @@ std::vector<TracedScene> scenes_of(const RunResult& run, bool held_out) {
 void size_cameras(const Renderer& renderer, RunResult& run) {
     for (std::size_t i = 0; i < run.sources.size(); ++i) {
         View& view = run.sources[i].view;
-        naming_view(view, i, run.sources.size(), [&] {
-            view.camera =
-                camera_for(run.settings.run, run.sources[i], run.pictures.photographs[i], renderer);
+        view.camera = at_place(run.sources[i].place, [&] {
+            return naming_view(view, i, run.sources.size(), [&] {
+                return camera_for(run.settings.run, run.sources[i], run.pictures.photographs[i],
+                                  renderer);
+            });
         });
     }
 }
@@ -103,7 +105,7 @@ void make_view_renderers(const Renderer& renderer, RunResult& run) {
     Problem problem{renderer, {}, {}, {}};
     for (const CapturedView& source : run.sources) problem.views.push_back(source.view);
     fitted_views(problem);
-    run.renderers = make_views(problem);
+    run.renderers = make_captured_views(problem, run.sources);
 }
 
 void measure_errors(const std::vector<TargetTexture>& textures, EvaluatedRun& run) {

@@ -111,6 +111,15 @@ std::vector<CapturedView> views_of(const RunSettings& run, const std::optional<C
     return views;
 }
 
+std::vector<Renderer> make_captured_views(const Problem& problem,
+                                          const std::vector<CapturedView>& views) {
+    std::vector<Renderer> renderers;
+    for (std::size_t i = 0; i < views.size(); ++i)
+        renderers.push_back(
+            at_place(views[i].place, [&] { return make_view(problem, i, renderers); }));
+    return renderers;
+}
+
 namespace {
 
 /// Of all views: what shows no surface.

@@ -19,6 +19,10 @@ void use_capture(const Capture& capture, SceneOptions& scene);
 /// Throws UsageError where options do not fit the capture, or each other, and InputError.
 std::vector<CapturedView> views_of(const RunSettings& run, const std::optional<Capture>& capture);
 
+/// What make_views makes of a problem with these views, at their places.
+std::vector<Renderer> make_captured_views(const Problem& problem,
+                                          const std::vector<CapturedView>& views);
+
 /// The views with their pictures and masks, those that were read, which it takes, or rendered.
 /// renderers, photographs: of the views. Throws InputError.
 std::vector<View> with_pictures(const Settings& settings, const std::vector<CapturedView>& views,

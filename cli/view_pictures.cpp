@@ -63,8 +63,10 @@ Pictures read_pictures(const RunSettings& run, const std::vector<CapturedView>& 
         const std::string what =
             "the target" + (views.size() == 1 ? "" : " of " + name_of(views[i].view, i));
         MaskFile& mask = pictures.masks[i];
-        mask = read_mask(views[i]);
-        pictures.photographs[i] = picture_of(views[i], mask.weights, run.scale, what);
+        pictures.photographs[i] = at_place(views[i].place, [&] {
+            mask = read_mask(views[i]);
+            return picture_of(views[i], mask.weights, run.scale, what);
+        });
         mask.weights = {};
     });
     return pictures;

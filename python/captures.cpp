@@ -51,7 +51,7 @@ std::vector<View> with_pictures(const std::vector<CapturedView>& captured, doubl
     std::vector<View> views;
     for (const CapturedView& c : captured) {
         check_abandoned(is_abandoned);
-        views.push_back(with_picture(c, scale));
+        views.push_back(at_place(c.place, [&] { return with_picture(c, scale); }));
     }
     return views;
 }

@@ -126,17 +126,19 @@ SharedImage sky_of(const Scene& scene) {
     return map ? map->image : nullptr;
 }
 
+Renderer make_view(const Problem& problem, std::size_t view, const std::vector<Renderer>& earlier) {
+    const View& v = problem.views[view];
+    return naming_view(v, view, problem.views.size(), [&] {
+        const Renderer lit = lit_as(problem, view, earlier);
+        return v.camera == ViewCamera{} ? through_camera_of(problem.renderer, lit)
+                                        : lit.with_camera(v.camera);
+    });
+}
+
 std::vector<Renderer> make_views(const Problem& problem) {
     std::vector<Renderer> renderers;
-    for (std::size_t i = 0; i < problem.views.size(); ++i) {
-        const View& view = problem.views[i];
-        naming_view(view, i, problem.views.size(), [&] {
-            const Renderer lit = lit_as(problem, i, renderers);
-            renderers.push_back(view.camera == ViewCamera{}
-                                    ? through_camera_of(problem.renderer, lit)
-                                    : lit.with_camera(view.camera));
-        });
-    }
+    for (std::size_t i = 0; i < problem.views.size(); ++i)
+        renderers.push_back(make_view(problem, i, renderers));
     return renderers;
 }
 

@@ -15,8 +15,11 @@ struct Scene;
 /// The image of the scene's environment map; none: it has no such map.
 SharedImage sky_of(const Scene& scene);
 
-/// A renderer of each view; those with equal lights share them. Images are not looked at. Throws
-/// InputError, which names the view, where a camera or light does not fit.
+/// A renderer of a view. earlier: of all views before it, with which it shares equal lights. Images
+/// are not looked at. Throws InputError, which names the view, where a camera or light does not
+/// fit.
+Renderer make_view(const Problem& problem, std::size_t view, const std::vector<Renderer>& earlier);
+/// Of all views.
 std::vector<Renderer> make_views(const Problem& problem);
 
 /// Masks the blind pixels of each view. Throws InputError, which names the view, where an image,
@@ -43,11 +46,11 @@ std::vector<int> owners_of_views(const Problem& problem, std::size_t batch);
 /// The name that messages have for a view.
 std::string name_of(const View& view, std::size_t number);
 
-/// Calls body(). Its InputErrors name the view, unless it is the only one and has no name.
+/// Returns body(). Its InputErrors name the view, unless it is the only one and has no name.
 template <class Body>
-void naming_view(const View& view, std::size_t number, std::size_t views, const Body& body) {
+auto naming_view(const View& view, std::size_t number, std::size_t views, const Body& body) {
     try {
-        body();
+        return body();
     } catch (const InputError& e) {
         if (views == 1 && view.name.empty()) throw;
         throw InputError(name_of(view, number) + ": " + e.what());

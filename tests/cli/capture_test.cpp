@@ -124,7 +124,8 @@ TEST_F(CaptureTest, WhatIsWrongIsSaidWithItsKey) {
         {with_keys(R"(, "exposure": [1, 2])"), "views[0].exposure: found [1,2], expected an array"},
         {with_keys(R"(, "split": "val")"), "views[0].split: found \"val\", expected \"train\""},
         {with_keys(R"(, "emitters": "lamp")"), "views[0].emitters: found \"lamp\", expected an"},
-        {with_keys(R"(, "environment": {"file": "none.exr"})"), "none.exr"},
+        {with_keys(R"(, "environment": {"file": "none.exr"})"),
+         "views[0].environment.file: " + (folder / "none.exr").string() + ": "},
         {with_keys(R"(, "environment": {"scale": "x"})"),
          "views[0].environment.scale: found \"x\""},
         {with_keys(R"(, "environment": {"scale": -1})"),
@@ -168,7 +169,24 @@ TEST_F(CaptureTest, WhatIsWrongIsSaidWithItsKey) {
     for (const auto& [text, expected] : kBad) {
         const std::string message = complaint(text);
         EXPECT_TRUE(contains(message, expected)) << text << "\n" << message;
-        EXPECT_TRUE(contains(message, "capture.json") || contains(message, "none.exr")) << message;
+        EXPECT_TRUE(message.starts_with(file.string())) << message;
+    }
+}
+
+TEST_F(CaptureTest, WhatIsNotThereIsSaidWithItsView) {
+    write_scene();
+    const std::pair<const char*, const char*> kMissing[] = {
+        {R"("camera": {"sensor": 0}, "image": "lost.png")", "lost.png: "},
+        {R"("camera": {"sensor": 0}, "emitters": ["sun"])", "b: there is no emitter 'sun'"},
+        {R"("camera": {"sensor": "left"})", "b: there is no sensor 'left'"}};
+    for (const auto& [keys, expected] : kMissing) {
+        write_text(file, R"({"version": 1, "scene": "scene.xml", "views": [
+            {"name": "a", "camera": {"sensor": 0}}, {"name": "b", )" +
+                             std::string(keys) + "}]}");
+        const std::string message = std::string("capture.json: views[1]: ") + expected;
+        expect_refused("optimize capture.json --parameter base_color --iterations 1 -o no", 65,
+                       message);
+        if (!contains(expected, "lost")) expect_refused("info capture.json", 65, message);
     }
 }
 
