@@ -244,11 +244,11 @@ void keep_recoverable(Scene& scene) {
 
 /// Views of their pictures' sizes, without the pictures.
 Problem problem_of(const Renderer& renderer, const std::vector<CapturedView>& captured,
-                   const std::vector<CheckedView>& checked) {
+                   const std::vector<ViewCamera>& cameras) {
     Problem problem{renderer, {}, {}, {}};
     for (std::size_t i = 0; i < captured.size(); ++i) {
         problem.views.push_back(captured[i].view);
-        problem.views[i].camera = checked[i].camera;
+        problem.views[i].camera = cameras[i];
     }
     return problem;
 }
@@ -270,6 +270,15 @@ std::vector<ViewFacts> facts_of_views(const Problem& problem,
                          renderers[i].height(), camera_text(problem.views[i].camera),
                          captured[i].image});
     return facts;
+}
+
+void find_blind_pixels(const Problem& problem, const std::vector<Renderer>& renderers,
+                       std::vector<std::string>& findings) {
+    for (std::size_t i = 0; i < renderers.size(); ++i) {
+        View view = problem.views[i];
+        if (std::string text = leave_out_blind_pixels(renderers[i], i, view); !text.empty())
+            findings.push_back(std::move(text));
+    }
 }
 
 /// Held-out ones, too: what they show tells nothing either.
@@ -305,16 +314,16 @@ void run(const InfoOptions& options) {
     LoadedScene loaded = load_scene_quietly(scene);
     keep_recoverable(loaded.scene);
     const Renderer renderer = make_renderer_with_progress(std::move(loaded), scene.light_selection);
-    const std::vector<CheckedView> checked = check_views(renderer, captured);
-    const Problem problem = problem_of(renderer, captured, checked);
+    CheckedViews checked = check_views(renderer, captured);
+    const Problem problem = problem_of(renderer, captured, checked.cameras);
     const std::vector<Renderer> renderers = make_captured_views(problem, captured);
     SceneFacts facts = inspect(renderer.data().traced, fitted_scenes(problem, renderers));
-    for (const CheckedView& c : checked)
-        if (!c.complaint.empty()) facts.findings.push_back(c.complaint);
+    for (std::string& finding : checked.findings) facts.findings.push_back(std::move(finding));
     if (!captured.empty() &&
         std::ranges::all_of(captured, [](const CapturedView& v) { return v.view.held_out; }))
         facts.findings.push_back("all views are held out: none is left to be fitted");
     const std::vector<ViewFacts> views = facts_of_views(problem, renderers, captured);
+    find_blind_pixels(problem, renderers, facts.findings);
     find_empty_views(views, renderers, facts.findings);
     const LoadedScene& shown = *renderer.data().loaded;
     if (options.json)

@@ -6,6 +6,7 @@
 
 #include "cli/commands.h"
 #include "cli/console.h"
+#include "cli/view_pictures.h"
 #include "optimize/view_loss.h"
 #include "optimize/views.h"
 
@@ -156,11 +157,8 @@ std::vector<View> with_pictures(const Settings& settings, const std::vector<Capt
             view.image = std::move(photographs[i].image);
             photographs[i].image = {}, photographs[i].mask = {};
         }
-        if (const double share = mask_blind_pixels(renderer, view); share > 0)
-            log_warning(
-                fmt::format("{}: {:.1f} % of the pixels lie outside of the field of its lens "
-                            "and are left out",
-                            name_of(view, i), 100 * share));
+        if (const std::string text = leave_out_blind_pixels(renderer, i, view); !text.empty())
+            log_warning(text);
         result.push_back(std::move(view));
     }
     if (settings.run.ignore_background) mask_backgrounds(renderers, result);

@@ -124,13 +124,21 @@ bool is_dark(const Lighting& lighting) {
     return no_emitter && (!lighting.environment || lighting.environment->scale == 0.0);
 }
 
-/// The complaint without the view's name.
+/// What was found in one view; the complaint without its name.
+struct CheckedView {
+    ViewCamera camera;
+    Photograph photograph = {};  ///< without its pixels, as the mask
+    MaskFile mask = {};
+    std::string complaint = {};
+};
+
 CheckedView check_view(const Renderer& renderer, const CapturedView& view) {
-    CheckedView checked{view.view.camera, {}};
+    CheckedView checked{view.view.camera};
+    Photograph& p = checked.photograph;
     const RunSettings whole_size;
     try {
-        const Photograph p =
-            picture_of(view, read_mask(view).weights, whole_size.scale, "the target");
+        checked.mask = read_mask(view);
+        p = picture_of(view, checked.mask.weights, whole_size.scale, "the target");
         checked.camera = camera_for(whole_size, view, p, renderer);
         (void)renderer.with_camera(checked.camera);
     } catch (const InputError& e) {
@@ -138,20 +146,35 @@ CheckedView check_view(const Renderer& renderer, const CapturedView& view) {
     }
     if (checked.complaint.empty() && is_dark(view.view.lighting))
         checked.complaint = "no emitter is on: its rendered image is black";
+    p.image = {}, p.mask = {}, p.clipped = {}, checked.mask.weights = {};
     return checked;
 }
 
 }  // namespace
 
-std::vector<CheckedView> check_views(const Renderer& renderer,
-                                     const std::vector<CapturedView>& views) {
-    std::vector<CheckedView> checked(views.size());
-    for_pictures(views.size(), [&](std::size_t i) {
-        checked[i] = check_view(renderer, views[i]);
-        std::string& complaint = checked[i].complaint;
-        if (!complaint.empty()) complaint = name_of(views[i].view, i) + ": " + complaint;
-    });
+CheckedViews check_views(const Renderer& renderer, const std::vector<CapturedView>& views) {
+    std::vector<CheckedView> each(views.size());
+    for_pictures(views.size(), [&](std::size_t i) { each[i] = check_view(renderer, views[i]); });
+    CheckedViews checked;
+    Pictures pictures;
+    for (std::size_t i = 0; i < views.size(); ++i) {
+        checked.cameras.push_back(std::move(each[i].camera));
+        pictures.photographs.push_back(std::move(each[i].photograph));
+        pictures.masks.push_back(std::move(each[i].mask));
+        if (!each[i].complaint.empty())
+            checked.findings.push_back(name_of(views[i].view, i) + ": " + each[i].complaint);
+    }
+    for (std::string& warning : picture_warnings(views, pictures, false))
+        checked.findings.push_back(std::move(warning));
     return checked;
+}
+
+std::string leave_out_blind_pixels(const Renderer& renderer, std::size_t number, View& view) {
+    const double share = mask_blind_pixels(renderer, view);
+    if (share == 0) return {};
+    return fmt::format(
+        "{}: {:.1f} % of the pixels lie outside of the field of its lens and are left out",
+        name_of(view, number), 100 * share);
 }
 
 std::string encoding_text(const Encoding& encoding) {

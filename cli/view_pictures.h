@@ -27,15 +27,17 @@ Pictures read_pictures(const RunSettings& run, const std::vector<CapturedView>& 
 ViewCamera camera_for(const RunSettings& run, const CapturedView& view,
                       const Photograph& photograph, const Renderer& renderer);
 
-/// What the files of a view say before a run.
-struct CheckedView {
-    ViewCamera camera;      ///< for its picture; the view's own where that does not fit
-    std::string complaint;  ///< what optimize would refuse or could not fit in its picture, mask
-                            ///< and lights, with its name; empty: nothing
+/// What the files of the views say before a run.
+struct CheckedViews {
+    std::vector<ViewCamera> cameras;  ///< for their pictures; a view's own where that does not fit
+    std::vector<std::string> findings;  ///< what optimize would refuse or could not fit in their
+                                        ///< pictures, masks and lights, and what it would warn of
 };
-/// Parallel to the views. Reads the pictures, with progress.
-std::vector<CheckedView> check_views(const Renderer& renderer,
-                                     const std::vector<CapturedView>& views);
+/// Reads the pictures, with progress.
+CheckedViews check_views(const Renderer& renderer, const std::vector<CapturedView>& views);
+
+/// mask_blind_pixels of optimize/views.h. Returns what is said of it; empty: nothing is left out.
+std::string leave_out_blind_pixels(const Renderer& renderer, std::size_t number, View& view);
 
 /// How a file was read: "JPEG, 8 bits, sRGB, turned by EXIF orientation 6, 12 pixels clipped and
 /// left out".

@@ -480,15 +480,19 @@ TEST_F(CaptureTest, FilesOfAnotherSizeThanTheFilmAreRefusedAtAnyScale) {
 
 TEST_F(CaptureTest, InfoSaysWhatWillGoWrongWithItsPictures) {
     write_scene();
-    write_image(folder / "good.png", make_image(24, 24, 3, 0.5f));
-    write_image(folder / "wide.png", make_image(24, 12, 3, 0.5f));
+    for (const auto& [name, height] : {std::pair{"good.png", 24}, {"wide.png", 12}}) {
+        Image picture = make_image(24, height, 3, 0.5f);
+        picture.at(1, 1, 0) = 0.25f;  // not grey
+        write_image(folder / name, picture);
+    }
+    write_image(folder / "mask.png", make_image(24, 12, 1, 1.0f));
     write_text(folder / "cut.png", read_text(folder / "good.png").substr(0, 40));
     std::string views;
     for (const char* keys :
          {R"("name": "good", "image": "good.png")", R"("name": "wide", "image": "wide.png")",
           R"("name": "cut", "image": "cut.png")", R"("name": "gone", "image": "gone.png")",
-          R"("name": "mask", "image": "good.png", "mask": "wide.png")",
-          R"("name": "film", "mask": "wide.png")", R"("name": "dark", "emitters": [])",
+          R"("name": "mask", "image": "good.png", "mask": "mask.png")",
+          R"("name": "film", "mask": "mask.png")", R"("name": "dark", "emitters": [])",
           R"("name": "lost", "image": "lost.png", "emitters": [])"})
         views += (views.empty() ? "" : ", ") +
                  fmt::format("{{{}, \"camera\": {{\"sensor\": 0}}}}", keys);
@@ -500,13 +504,62 @@ TEST_F(CaptureTest, InfoSaysWhatWillGoWrongWithItsPictures) {
         "wide: wide.png: the picture has 24 x 12 pixels: expected the aspect ratio of the sensor's",
         "cut: cut.png: damaged PNG file",
         "gone: gone.png",
-        "mask: the mask (wide.png) is 24 x 12 pixels, expected the size of the picture, 24 x 24",
-        "film: the mask (wide.png) is 24 x 12 pixels, expected the size of the film, 24 x 24",
+        "mask: the mask (mask.png) is 24 x 12 pixels, expected the size of the picture, 24 x 24",
+        "film: the mask (mask.png) is 24 x 12 pixels, expected the size of the film, 24 x 24",
         "dark: no emitter is on",
         "lost: lost.png"};
     ASSERT_EQ(findings.size(), std::size(expected)) << findings;
     for (std::size_t i = 0; i < findings.size(); ++i)
         EXPECT_TRUE(findings[i].get<std::string>().starts_with(expected[i])) << findings[i];
+}
+
+TEST_F(CaptureTest, InfoSaysWhatARunWarnsOf) {
+    write_scene();
+    fs::copy(BURNISH_TEST_DATA "/../fuzz/corpus/jpeg/profile.jpg", folder / "p3.jpg");
+    Image picture = make_image(24, 24, 3, 0.5f);
+    write_image(folder / "gray.png", picture);
+    write_image(folder / "dynamic_mask_gray.png", picture);
+    picture.at(3, 4, 0) = -1;
+    write_image(folder / "negative.exr", picture);
+    Image segments = make_image(24, 24, 3, 0.25f);
+    segments.at(5, 5, 0) = 1;
+    write_image(folder / "segments.exr", segments);
+    const auto camera = [](const char* model, int width, int height, const char* params) {
+        return fmt::format(R"("camera": {{"model": "{}", "width": {}, "height": {}, "params": {},)"
+                           R"("camera_to_world": [[1,0,0,0],[0,-1,0,0],[0,0,-1,3],[0,0,0,1]]}})",
+                           model, width, height, params);
+    };
+    const std::string sensor = R"("camera": {"sensor": 0})",
+                      stored = camera("SIMPLE_PINHOLE", 28, 20, "[30, 14, 10]"),
+                      round = camera("SIMPLE_FISHEYE", 24, 24, "[4, 12, 12]");
+    write_text(file, R"({"version": 1, "scene": "scene.xml", "views": [)"
+                     R"({"name": "a", "image": "p3.jpg", "orientation": "stored", )" +
+                         stored + R"(}, {"name": "b", "image": "gray.png", )" + sensor +
+                         R"(}, {"name": "c", "image": "negative.exr", )" + sensor +
+                         R"(}, {"name": "d", "mask": "segments.exr", )" + sensor +
+                         R"(}, {"name": "e", )" + round + "}]}");
+    const std::string expected[] = {
+        "a (p3.jpg) has the colour profile \"Display P3\", which is not read: convert it to sRGB",
+        "b (gray.png) is grey: R = G = B everywhere",
+        "c (negative.exr): 1 pixel has values below 0",
+        "d (segments.exr): its weights are colours, at most 0.25 in all three channels of a pixel: "
+        "expected white where the picture counts",
+        "masks of instant-ngp, as dynamic_mask_gray.png, are not read: invert them, since what is "
+        "white counts, and name each as the mask of its view",
+        "e: 22.2 % of the pixels lie outside of the field of its lens and are left out"};
+    const Outcome warned =
+        run("optimize capture.json --parameter base_color --iterations 1 --init 0.5 "
+            "--target-spp 1 --evaluation-spp 1 -o out");
+    ASSERT_EQ(warned.code, 0) << warned.err;
+    const Outcome told = run("info capture.json --json");
+    ASSERT_EQ(told.code, 0) << told.err;
+    const auto found = nlohmann::json::parse(told.out)["findings"].get<std::vector<std::string>>();
+    for (const std::string& text : expected) {
+        EXPECT_TRUE(contains(warned.err, "burnish: warning: " + text + "\n")) << text << "\n"
+                                                                              << warned.err;
+        EXPECT_EQ(std::count(found.begin(), found.end(), text), 1) << text << "\n" << told.out;
+    }
+    EXPECT_TRUE(contains(run("info capture.json").out, "\n  " + expected[0] + "\n"));
 }
 
 TEST_F(CaptureTest, OptionsThatItAnswersAreRefused) {
