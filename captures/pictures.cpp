@@ -104,7 +104,7 @@ Photograph read_picture(const CapturedView& view, const Image& mask, double scal
     }
     if (mask.width > 0) {
         require_size(mask, p.image.width, p.image.height, "the mask (" + view.mask + ")",
-                     "the size of the picture");
+                     "the size of the picture" + turning_text(p));
         add_mask(mask, p);
     }
     p = scaled(std::move(p), scale);

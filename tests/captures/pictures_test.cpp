@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "burnish/error.h"
+#include "error_of.h"
 #include "image/files.h"
 #include "image/image.h"
 #include "temporary_folder.h"
@@ -114,6 +115,21 @@ TEST_F(Masks, OfXyzAreTheirNumbers) {
     write_bytes(folder / "mask.exr", bytes);
     EXPECT_GT(read_image_file(folder / "mask.exr").image.values[0], 1.2f) << "as a colour";
     EXPECT_EQ(read_mask(folder / "mask.exr", Turning::kUpright).weights, make_image(4, 3, 3, 1.0f));
+}
+
+/// As a program has made them that does not turn JPEGs.
+TEST_F(Masks, OfAStoredPictureThatIsTurnedAreRefusedWithItsOrientation) {
+    CapturedView view;
+    view.image = BURNISH_TEST_DATA "/../fuzz/corpus/jpeg/turned.jpg";
+    view.mask = "m.png";
+    const Image stored = make_image(28, 20, 1, 1.0f);
+    EXPECT_EQ(
+        test::error_of([&] { read_picture(view, stored, 1, "the target"); }),
+        "the mask (m.png) is 28 x 20 pixels, expected the size of the picture, turned by EXIF "
+        "orientation 6, 20 x 28");
+    EXPECT_EQ(read_picture(view, oriented(stored, 6), 1, "the target").image.width, 20);
+    view.turning = Turning::kAsStored;
+    EXPECT_EQ(read_picture(view, stored, 1, "the target").image.width, 28);
 }
 
 }  // namespace
