@@ -84,32 +84,41 @@ std::string with_extension(const Value& path, const std::string& file) {
     return found.empty() ? file : found.front();
 }
 
-/// Pixels that an angle of view takes, as a focal length.
+double focal_of_length(const Value& length, int) {
+    const double focal = number(length);
+    if (focal <= 0) fail(length, "a focal length above 0, in pixels");
+    return focal;
+}
+
+/// Of an angle of view over so many pixels.
 double focal_of_angle(const Value& angle, int pixels) {
     const double radians = number(angle);
     if (!(radians > 0 && radians < std::numbers::pi)) fail(angle, "radians, above 0 and below pi");
     return 0.5 * pixels / std::tan(0.5 * radians);
 }
 
-std::optional<double> find_focal_length(const Frame& frame, const char* name, const char* angle,
-                                        int pixels) {
-    if (const auto length = frame.find(name)) {
-        if (number(*length) <= 0) fail(*length, "a focal length above 0, in pixels");
-        return number(*length);
-    }
-    if (const auto radians = frame.find(angle)) return focal_of_angle(*radians, pixels);
-    return {};
-}
+/// A way to say focal lengths; one key counts for both axes.
+struct FocalKeys {
+    const char *x, *y;
+    double (*focal)(const Value& value, int pixels);
+};
 
+/// What the frame says counts before what the file says, and lengths before angles beside them.
 void set_focal_lengths(const Frame& frame, Camera& camera) {
-    const auto x = find_focal_length(frame, "fl_x", "camera_angle_x", camera.width),
-               y = find_focal_length(frame, "fl_y", "camera_angle_y", camera.height);
-    if (!x && !y)
-        throw InputError(
-            fmt::format("{}: {}: expected the key \"fl_x\" or \"camera_angle_x\", of "
-                        "the frame or of the file",
-                        frame.frame.file, frame.frame.key));
-    camera.focal_x = x ? *x : *y, camera.focal_y = y ? *y : *x;
+    constexpr FocalKeys kWays[] = {{"fl_x", "fl_y", focal_of_length},
+                                   {"camera_angle_x", "camera_angle_y", focal_of_angle}};
+    for (const Value* keys : {&frame.frame, &frame.file})
+        for (const FocalKeys& way : kWays) {
+            if (!has(*keys, way.x) && !has(*keys, way.y)) continue;
+            const auto x = frame.find(way.x), y = frame.find(way.y);
+            camera.focal_x = x ? way.focal(*x, camera.width) : way.focal(*y, camera.height);
+            camera.focal_y = y ? way.focal(*y, camera.height) : camera.focal_x;
+            return;
+        }
+    throw InputError(
+        fmt::format("{}: {}: expected the key \"fl_x\" or \"camera_angle_x\", of "
+                    "the frame or of the file",
+                    frame.frame.file, frame.frame.key));
 }
 
 bool is_fisheye(const Frame& frame) {

@@ -76,6 +76,32 @@ TEST_F(Transforms, SayWhatTheirViewsAre) {
     EXPECT_EQ(frame_camera(elsewhere[0]).focal_x, 7);
 }
 
+/// Of a frame before those of the file, whatever they are; lengths before angles beside them.
+TEST_F(Transforms, FocalLengthsAreGivenAsLengthsOrAsAngles) {
+    const std::string angle = R"("camera_angle_x": 0.8)", tall = R"("camera_angle_y": 0.5)",
+                      length = R"("fl_x": 70)", other = R"("fl_y": 71)";
+    const double wide = 30 / std::tan(0.4), high = 25 / std::tan(0.25);
+    const struct {
+        std::string of_frame, of_file;
+        double x, y;
+    } kCases[] = {
+        {", " + angle, length + ", ", wide, wide},
+        {", " + angle, length + ", " + other + ", ", wide, wide},  // of another zoom
+        {", " + tall, angle + ", ", wide, high},
+        {", " + tall, angle + ", " + length + ", ", wide, high},
+        {", " + length, angle + ", " + tall + ", ", 70, 70},
+        {", " + length, other + ", ", 70, 71},
+        {", " + length + ", " + tall, "", 70, 70},
+        {"", other + ", " + angle + ", ", 71, 71},
+    };
+    for (const auto& c : kCases) {
+        const Camera camera = frame_camera(
+            read(one_frame(R"(, "w": 60, "h": 50)" + c.of_frame, c.of_file), "pictures")[0]);
+        EXPECT_NEAR(camera.focal_x, c.x, 1e-12) << c.of_file << c.of_frame;
+        EXPECT_NEAR(camera.focal_y, c.y, 1e-12) << c.of_file << c.of_frame;
+    }
+}
+
 TEST_F(Transforms, AMaskOfTheFileIsThatOfFramesWithoutOne) {
     const auto views =
         read(R"({"w": 6, "h": 5, "fl_x": 4, "mask_path": "all.png", "frames": [)"
