@@ -4,6 +4,7 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
 #include <set>
 
@@ -109,8 +110,16 @@ Matrix matrix(const Value& v) {
 }
 
 Matrix camera_to_world(const Value& v, const std::array<double, 3>& axes) {
+    constexpr double kTolerance = 1e-3;
     Matrix m = matrix(v);
-    if (!is_rigid(Transform{m}))
+    for (std::size_t c = 0; c < 4; ++c) {
+        double& last = m[12 + c];
+        const double expected = c == 3;
+        if (std::abs(last - expected) > kTolerance)
+            fail(element(v, 3), "0 0 0 1 as the last row (is the matrix transposed?)");
+        last = expected;
+    }
+    if (!is_rigid(Transform{m}, kTolerance))
         fail(v, "a rotation and a translation that do not scale, shear or mirror");
     for (std::size_t row = 0; row < 3; ++row)
         for (std::size_t c = 0; c < 3; ++c) m[4 * row + c] *= axes[c];

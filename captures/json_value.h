@@ -41,8 +41,9 @@ double number(const Value& v);
 std::vector<double> numbers(const Value& v, std::size_t count);
 /// Four rows of four numbers.
 Matrix matrix(const Value& v);
-/// Camera::camera_to_world, of a camera whose axes are x right, y down and z forward with these
-/// signs.
+/// Of a camera: a rotation, off by a thousandth at most, and a translation; the last row, as far
+/// off at most, becomes 0 0 0 1. axes: the signs of the camera's axes in those of x right, y down,
+/// z forward.
 Matrix camera_to_world(const Value& v, const std::array<double, 3>& axes);
 /// A side of a picture: see is_side.
 int side(const Value& v);

@@ -293,8 +293,7 @@ CapturedView view_of(const Frame& frame, const std::string& folder, Size& known)
     camera.center_y = frame.find_number("cy").value_or(0.5 * camera.height);
     camera.lens = lens_of(frame);
     require_member(frame.frame, "transform_matrix");
-    constexpr std::array<double, 3> kOpenGl{1, -1, -1};
-    camera.camera_to_world = camera_to_world(member(frame.frame, "transform_matrix"), kOpenGl);
+    camera.camera_to_world = camera_to_world(member(frame.frame, "transform_matrix"), {1, -1, -1});
     captured.view.camera = camera;
     return captured;
 }

@@ -90,6 +90,15 @@ TEST_F(CaptureTest, SaysWhatItsViewsAre) {
     EXPECT_EQ(capture.views[2].image, "");
 }
 
+/// As after an inversion in floats.
+TEST_F(CaptureTest, TheLastRowOfACameraIsRounded) {
+    const Capture capture = read(R"({"version": 1, "scene": "s.xml", "views": [{"camera": {
+        "model": "SIMPLE_PINHOLE", "width": 4, "height": 4, "params": [1, 2, 3],
+        "camera_to_world": [[1,0,0,4],[0,1,0,5],[0,0,1,6],[1e-7,-2e-12,0,0.9999999]]}}]})");
+    EXPECT_EQ(std::get<Camera>(capture.views[0].view.camera).camera_to_world,
+              (Matrix{1, 0, 0, 4, 0, 1, 0, 5, 0, 0, 1, 6, 0, 0, 0, 1}));
+}
+
 TEST_F(CaptureTest, WhatIsWrongIsSaidWithItsKey) {
     const std::string camera =
         R"("width": 4, "height": 4, "params": [1, 2, 3, 4], "camera_to_world": )"
@@ -160,6 +169,13 @@ TEST_F(CaptureTest, WhatIsWrongIsSaidWithItsKey) {
                      R"("camera_to_world": [[2,0,0,0],[0,1,0,0],[0,0,1,0],[0,0,0,1]])"),
          "views[0].camera.camera_to_world: found [[2,0,0,0],[0,1,0,0],[0,0,1,0],[0,0,0,1]], "
          "expected a rotation and a translation that do not scale, shear or mirror"},
+        {with_camera(R"("model": "PINHOLE", "width": 4, "height": 4, "params": [1, 2, 3, 4], )"
+                     R"("camera_to_world": [[1,0,0,0],[0,1,0,0],[0,0,1,0],[4,5,6,1]])"),
+         "views[0].camera.camera_to_world[3]: found [4,5,6,1], expected 0 0 0 1 as the last row "
+         "(is the matrix transposed?)"},
+        {with_camera(R"("model": "PINHOLE", "width": 4, "height": 4, "params": [1, 2, 3, 4], )"
+                     R"("camera_to_world": [[1,0,0,0],[0,1,0,0],[0,0,1,0],[0,0,0,1.0011]])"),
+         "views[0].camera.camera_to_world[3]: found [0,0,0,1.0011], expected 0 0 0 1"},
         {with_camera("\"model\": \"PINHOLE\", \"convention\": \"blender\", " + camera),
          "views[0].camera.convention: found \"blender\", expected \"opencv\""},
         {R"({"version": 1, "scene": "s", "views": [{"name": "a", "camera": {"sensor": 0}},)"

@@ -259,6 +259,9 @@ TEST_F(Transforms, WhatIsWrongIsSaidWithItsKey) {
          R"("transform_matrix": [[2,0,0,1],[0,2,0,2],[0,0,2,3],[0,0,0,1]]}]})",
          "frames[0].transform_matrix: found [[2,0,0,1],[0,2,0,2],[0,0,2,3],[0,0,0,1]], expected a "
          "rotation and a translation"},
+        {R"({"w": 4, "h": 4, "fl_x": 4, "frames": [{"file_path": "a.exr", )"
+         R"("transform_matrix": [[1,0,0,0],[0,1,0,0],[0,0,1,0],[1,2,3,1]]}]})",
+         "frames[0].transform_matrix[3]: found [1,2,3,1], expected 0 0 0 1 as the last row"},
         {R"({"w": 4, "h": 4, "fl_x": 4, "frames": [{"file_path": "a.exr", )" + kMatrix +
              R"(}, {"file_path": "./a.exr", )" + kMatrix + "}]}",
          "frames[1]: there is another frame \"a.exr\""},
