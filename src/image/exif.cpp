@@ -1,6 +1,8 @@
-// The orientation of an EXIF segment: a TIFF file whose first directory has tag 0x0112, one SHORT
-// from 1 to 8. Nothing else of it is read.
+// An EXIF segment: a TIFF file. Its first directory has the orientation, tag 0x0112, one SHORT from
+// 1 to 8, and where EXIF's own directory stands, tag 0x8769, one LONG; that one has the colour
+// space, tag 0xA001, one SHORT. Nothing else of it is read.
 #include <cstdint>
+#include <optional>
 
 #include "image/formats.h"
 
@@ -9,7 +11,7 @@ namespace burnish {
 namespace {
 
 constexpr std::string_view kMagic{"Exif\0\0", 6};
-constexpr std::uint32_t kOrientation = 0x0112, kShort = 3;
+constexpr std::uint32_t kShort = 3, kLong = 4;
 
 struct Tiff {
     std::string_view bytes;
@@ -27,26 +29,36 @@ struct Tiff {
     }
 };
 
+/// The value of a tag that has one of that type; none: the directory has no such tag.
+std::optional<std::uint32_t> find(const Tiff& tiff, std::size_t directory, std::uint32_t tag,
+                                  std::uint32_t type) {
+    constexpr std::size_t kEntry = 12;
+    const std::uint32_t count = tiff.number(directory, 2);
+    std::size_t entry = directory + 2;
+    for (std::uint32_t i = 0; i < count && entry < tiff.bytes.size(); ++i, entry += kEntry) {
+        if (tiff.number(entry, 2) != tag) continue;
+        if (tiff.number(entry + 2, 2) != type || tiff.number(entry + 4, 4) != 1) return {};
+        return tiff.number(entry + 8, type == kShort ? 2 : 4);
+    }
+    return {};
+}
+
 }  // namespace
 
-int formats::exif_orientation(std::string_view segment) {
-    if (!segment.starts_with(kMagic)) return 0;
+formats::Exif formats::read_exif(std::string_view segment) {
+    Exif exif;
+    if (!segment.starts_with(kMagic)) return exif;
     Tiff tiff{segment.substr(kMagic.size())};
     tiff.little_endian = tiff.bytes.starts_with("II");
-    if (!tiff.little_endian && !tiff.bytes.starts_with("MM")) return 0;
-    if (tiff.number(2, 2) != 42) return 0;
-    constexpr std::size_t kEntry = 12;
-    const std::size_t directory = tiff.number(4, 4);
-    const std::uint32_t count = tiff.number(directory, 2);
-    for (std::uint32_t i = 0; i < count; ++i) {
-        const std::size_t entry = directory + 2 + kEntry * i;
-        if (tiff.number(entry, 2) != kOrientation) continue;
-        const std::uint32_t value = tiff.number(entry + 8, 2);
-        const bool is_one_short =
-            tiff.number(entry + 2, 2) == kShort && tiff.number(entry + 4, 4) == 1;
-        return is_one_short && value >= 1 && value <= 8 ? static_cast<int>(value) : 0;
-    }
-    return 0;
+    if (!tiff.little_endian && !tiff.bytes.starts_with("MM")) return exif;
+    if (tiff.number(2, 2) != 42) return exif;
+    const std::size_t first = tiff.number(4, 4);
+    const std::uint32_t orientation = find(tiff, first, 0x0112, kShort).value_or(0);
+    if (orientation <= 8) exif.orientation = static_cast<int>(orientation);
+    constexpr std::uint32_t kUncalibrated = 0xffff;
+    if (const auto own = find(tiff, first, 0x8769, kLong))
+        exif.is_uncalibrated = find(tiff, *own, 0xa001, kShort) == kUncalibrated;
+    return exif;
 }
 
 }  // namespace burnish

@@ -30,8 +30,13 @@ void take_alpha(ImageFile& file);
 
 ImageFile decode_png(const std::string& name, std::string_view bytes);
 ImageFile decode_jpeg(const std::string& name, std::string_view bytes);
-/// The orientation, 1 to 8, in the bytes of a JPEG's APP1 segment; 0: they hold none. Any bytes.
-int exif_orientation(std::string_view segment);
+/// What a JPEG's APP1 segment says.
+struct Exif {
+    int orientation = 0;           ///< 1 to 8; 0: nothing
+    bool is_uncalibrated = false;  ///< its colours are not those of sRGB: mostly of Adobe RGB
+};
+/// Of any bytes.
+Exif read_exif(std::string_view segment);
 /// The name of an ICC profile in ASCII, as "Display P3"; empty: it has none. Any bytes.
 std::string profile_name(std::string_view icc);
 ImageFile decode_pfm(const std::string& name, std::string_view bytes);

@@ -71,7 +71,7 @@ struct ImageFile {
     int bits = 32;             ///< of a stored number
     Image alpha = {};          ///< [height, width, 1]; width 0: none is stored
     int orientation = 1;       ///< EXIF's, 1 to 8: how `oriented` puts it upright
-    std::string profile = {};  ///< name of its ICC profile, which is not read
+    std::string profile = {};  ///< see Photograph
     bool says_linear = false;  ///< a PNG: its numbers are linear, by its gamma; it has no profile
     bool overscan = false;     ///< of an EXR: its data window is not its display window
 };

@@ -111,12 +111,20 @@ std::string_view bytes_of(const jpeg_marker_struct& marker) {
     return {reinterpret_cast<const char*>(marker.data), marker.data_length};
 }
 
-/// Of the first segment that has one; else 1.
-int orientation_of(const jpeg_decompress_struct& jpeg) {
-    for (jpeg_saved_marker_ptr m = jpeg.marker_list; m; m = m->next)
-        if (const int found = formats::exif_orientation(bytes_of(*m))) return found;
-    return 1;
+/// What the segments say; the orientation is that of the first one that has one, else 1.
+formats::Exif exif_of(const jpeg_decompress_struct& jpeg) {
+    formats::Exif exif;
+    for (jpeg_saved_marker_ptr m = jpeg.marker_list; m; m = m->next) {
+        const formats::Exif found = formats::read_exif(bytes_of(*m));
+        if (exif.orientation == 0) exif.orientation = found.orientation;
+        exif.is_uncalibrated |= found.is_uncalibrated;
+    }
+    if (exif.orientation == 0) exif.orientation = 1;
+    return exif;
 }
+
+/// In the place of a profile's name.
+constexpr const char* kUncalibratedProfile = "uncalibrated by EXIF, as of Adobe RGB";
 
 /// Of the first segment of a profile: of a longer one, the table of its tags and mostly its name
 /// stand there.
@@ -161,8 +169,9 @@ ImageFile formats::decode_jpeg(const std::string& name, std::string_view bytes) 
     require_bytes(name, reader.jpeg, bytes.size());
     const std::size_t row_bytes = reader.jpeg.image_width * static_cast<std::size_t>(channels);
     std::vector<std::uint8_t> data(row_bytes * reader.jpeg.image_height);
-    const int orientation = orientation_of(reader.jpeg);  // reading rows forgets the markers
-    const std::string profile = profile_of(reader.jpeg);
+    const Exif exif = exif_of(reader.jpeg);  // reading rows forgets the markers
+    std::string profile = profile_of(reader.jpeg);
+    if (profile.empty() && exif.is_uncalibrated) profile = kUncalibratedProfile;
     if (!read_rows(reader.jpeg, errors, data.data(), row_bytes)) fail_by(errors, name);
 
     ImageFile file{
@@ -171,7 +180,7 @@ ImageFile formats::decode_jpeg(const std::string& name, std::string_view bytes) 
         PixelEncoding::kUnorm8,
         "JPEG",
         8};
-    file.orientation = orientation, file.profile = profile;
+    file.orientation = exif.orientation, file.profile = profile;
     std::transform(data.begin(), data.end(), file.image.values.begin(),
                    [](std::uint8_t v) { return static_cast<float>(v) / 255.0f; });
     return file;

@@ -283,16 +283,21 @@ TEST(DecodingTexts, PicturesThatWereReadAlikeShareOne) {
 
 TEST_F(PhotographsTest, WhatIsNotReadOfAFileIsSaid) {
     fs::copy(BURNISH_TEST_DATA "/../fuzz/corpus/jpeg/profile.jpg", folder / "p0.jpg");
-    write_text(folder / "transforms.json", R"({"camera_angle_x": 0.8, "frames": [{"file_path":)"
-                                           R"("p0.jpg", "transform_matrix":)"
-                                           R"([[1,0,0,0],[0,1,0,0],[0,0,1,3],[0,0,0,1]]}]})");
+    fs::copy(BURNISH_TEST_DATA "/../fuzz/corpus/jpeg/uncalibrated.jpg", folder / "p1.jpg");
+    const std::string matrix = R"("transform_matrix": [[1,0,0,0],[0,1,0,0],[0,0,1,3],[0,0,0,1]]})";
+    write_text(folder / "transforms.json",
+               R"({"camera_angle_x": 0.8, "frames": [{"file_path": "p0.jpg", )" + matrix +
+                   R"(, {"file_path": "p1.jpg", )" + matrix + "]}");
     const Outcome outcome =
         run("optimize scene.xml --views transforms.json --parameter base_color --iterations 1 "
             "--init 0.5 --evaluation-spp 2 -o out");
     ASSERT_EQ(outcome.code, 0) << outcome.err;
-    for (const char* text : {"p0.jpg: JPEG, 8 bits, sRGB, EXIF orientation 6 left out",
-                             "p0.jpg (p0.jpg) has the colour profile \"Display P3\", which is not "
-                             "read: convert it to sRGB"})
+    for (const char* text :
+         {"JPEG, 8 bits, sRGB, EXIF orientation 6 left out",
+          "p0.jpg (p0.jpg) has the colour profile \"Display P3\", which is not read: convert it to "
+          "sRGB",
+          "p1.jpg (p1.jpg) has the colour profile \"uncalibrated by EXIF, as of Adobe RGB\", which "
+          "is not read: convert it to sRGB"})
         EXPECT_TRUE(contains(outcome.err, text)) << text << "\n" << outcome.err;
     const json picture = summary_of("out")["views"][0]["picture"];
     EXPECT_EQ(picture["orientation"], 6);

@@ -32,26 +32,54 @@ void expect_near(const Image& a, const Image& b, double tolerance) {
         ASSERT_NEAR(a.values[i], b.values[i], tolerance) << i;
 }
 
-/// An APP1 segment with this orientation, in one of the two byte orders.
-std::string exif(int orientation, bool little_endian, int type = 3) {
-    const auto number = [&](unsigned value, int bytes) {
+std::string segment_of_jpeg(char marker, const std::string& body) {
+    const std::size_t size = body.size() + 2;
+    return std::string("\xff") + marker + static_cast<char>(size >> 8) +
+           static_cast<char>(size & 255) + body;
+}
+
+/// The parts of an APP1 segment, in one of the two byte orders.
+struct ExifWriter {
+    bool little_endian = false;
+
+    std::string number(unsigned value, int bytes) const {
         std::string text;
         for (int i = 0; i < bytes; ++i) {
             const int k = little_endian ? i : bytes - 1 - i;
             text += static_cast<char>(value >> (8 * k) & 255);
         }
         return text;
-    };
-    const auto entry = [&](unsigned tag, int t, unsigned value) {
-        return number(tag, 2) + number(static_cast<unsigned>(t), 2) + number(1, 4) +
-               (t == 3 ? number(value, 2) + std::string(2, '\0') : number(value, 4));
-    };
-    const std::string body = std::string("Exif\0\0", 6) + (little_endian ? "II" : "MM") +
-                             number(42, 2) + number(8, 4) + number(2, 2) + entry(0x0100, 4, 77) +
-                             entry(0x0112, type, static_cast<unsigned>(orientation)) + number(0, 4);
-    const auto size = static_cast<unsigned>(body.size() + 2);
-    return std::string("\xff\xe1") + static_cast<char>(size >> 8) + static_cast<char>(size & 255) +
-           body;
+    }
+    std::string entry(unsigned tag, int type, unsigned value) const {
+        return number(tag, 2) + number(static_cast<unsigned>(type), 2) + number(1, 4) +
+               (type == 3 ? number(value, 2) + std::string(2, '\0') : number(value, 4));
+    }
+    /// directories: each with its entries, the first one at byte 8.
+    std::string segment(const std::vector<std::vector<std::string>>& directories) const {
+        std::string body = std::string("Exif\0\0", 6) + (little_endian ? "II" : "MM") +
+                           number(42, 2) + number(8, 4);
+        for (const std::vector<std::string>& entries : directories) {
+            body += number(static_cast<unsigned>(entries.size()), 2);
+            for (const std::string& e : entries) body += e;
+            body += number(0, 4);
+        }
+        return segment_of_jpeg('\xe1', body);
+    }
+};
+
+/// An APP1 segment with this orientation.
+std::string exif(int orientation, bool little_endian, int type = 3) {
+    const ExifWriter w{little_endian};
+    return w.segment(
+        {{w.entry(0x0100, 4, 77), w.entry(0x0112, type, static_cast<unsigned>(orientation))}});
+}
+
+/// An APP1 segment with this colour space.
+std::string exif_of_colors(unsigned space, bool little_endian, int type = 3) {
+    const ExifWriter w{little_endian};
+    constexpr unsigned kSecond = 8 + 2 + 2 * 12 + 4;
+    return w.segment({{w.entry(0x0100, 4, 77), w.entry(0x8769, 4, kSecond)},
+                      {w.entry(0x9000, 4, 1), w.entry(0xa001, type, space)}});
 }
 
 std::string with_segment(const std::string& jpeg, const std::string& segment) {
@@ -231,10 +259,8 @@ TEST_F(Photographs, OtherExifDataIsLeftAlone) {
 TEST_F(Photographs, ProfilesAreNamed) {
     const std::string jpeg = make_jpeg(smooth_image(20, 14, 3), 3, false);
     const auto of_jpeg = [&](const std::string& profile) {
-        const std::string body = std::string("ICC_PROFILE\0\1\1", 14) + profile;
-        const std::size_t size = body.size() + 2;
-        const std::string segment = std::string("\xff\xe2") + static_cast<char>(size >> 8) +
-                                    static_cast<char>(size & 255) + body;
+        const std::string segment =
+            segment_of_jpeg('\xe2', std::string("ICC_PROFILE\0\1\1", 14) + profile);
         return read_photograph(write("a.jpg", with_segment(jpeg, segment))).profile;
     };
     for (const int version : {2, 4})
@@ -252,6 +278,35 @@ TEST_F(Photographs, ProfilesAreNamed) {
     EXPECT_EQ(of_jpeg(make_profile("Caf\xe9\x1b", 2)), "Caf??");
     EXPECT_EQ(read_photograph(write("a.jpg", jpeg)).profile, "");
     EXPECT_EQ(read_photograph(write("a.png", make_png({}))).profile, "");
+}
+
+TEST_F(Photographs, ColorsThatExifSaysAreNotThoseOfSrgbAreNamed) {
+    const std::string jpeg = make_jpeg(smooth_image(20, 14, 3), 3, false),
+                      named = "uncalibrated by EXIF, as of Adobe RGB";
+    const auto profile = [&](const std::string& segments) {
+        return read_photograph(write("a.jpg", with_segment(jpeg, segments))).profile;
+    };
+    for (const bool little : {false, true}) {
+        EXPECT_EQ(profile(exif_of_colors(65535, little)), named);
+        EXPECT_EQ(profile(exif_of_colors(1, little)), "") << "sRGB";
+        EXPECT_EQ(profile(exif_of_colors(65535, little, 4)), "") << "a LONG";
+    }
+    const std::string icc =
+        segment_of_jpeg('\xe2', std::string("ICC_PROFILE\0\1\1", 14) + make_profile("sRGB", 2));
+    EXPECT_EQ(profile(exif_of_colors(65535, true) + icc), "sRGB") << "a profile says more";
+    EXPECT_EQ(profile(exif(6, true) + exif_of_colors(65535, true)), named);
+    const ExifWriter w;
+    EXPECT_EQ(profile(w.segment({{w.entry(0x8769, 4, 8), w.entry(0xa001, 3, 65535)}})), named)
+        << "a directory that is its own";
+    for (const unsigned at : {0u, 7u, 60u, 0xfffffff0u, 0xffffffffu})
+        EXPECT_EQ(profile(w.segment({{w.entry(0x8769, 4, at)}})), "") << at;
+    const std::string sound = exif_of_colors(65535, true);
+    for (std::size_t size = 4; size < sound.size(); ++size) {
+        std::string cut = sound.substr(0, size);
+        cut[2] = 0, cut[3] = static_cast<char>(size - 2);
+        const std::string found = profile(cut);
+        EXPECT_TRUE(found.empty() || found == named) << found;
+    }
 }
 
 TEST_F(Photographs, AGammaOfOneSaysThatNumbersAreLinear) {
