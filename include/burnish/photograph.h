@@ -46,8 +46,8 @@ struct Photograph {
     int orientation = 1;                  ///< EXIF's, 1 to 8, of the file
     Turning turning = Turning::kUpright;  ///< whether `image` has been turned by it
     std::string profile = {};             ///< name of the file's ICC profile, which is not read;
-                                          ///< of a JPEG without one, that EXIF has its colours as
-                                          ///< others than those of sRGB
+                                          ///< of a file without one, that EXIF or a PNG's cHRM
+                                          ///< has its colours as others than those of sRGB
     bool says_linear = false;             ///< a PNG's gamma, which is not read, is that of linear
                                           ///< numbers, and it has no profile
     bool is_gray = false;                 ///< R = G = B everywhere

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <png.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <csetjmp>
@@ -104,6 +105,24 @@ bool says_linear(const PngReader& reader) {
            std::abs(exponent - 1) <= kTolerance;
 }
 
+/// In the place of a profile's name.
+constexpr const char* kOtherPrimaries = "other primaries by cHRM, as of Adobe RGB";
+
+/// Whether the file has primaries, and others than those of sRGB. A profile, or the word that they
+/// are sRGB, counts before them.
+bool has_other_primaries(const PngReader& reader) {
+    constexpr std::array<double, 8> kSrgb{0.3127, 0.329, 0.64, 0.33, 0.3, 0.6, 0.15, 0.06};
+    constexpr double kTolerance = 0.01;
+    std::array<double, 8> xy{};  // of white, red, green and blue
+    if (png_get_valid(reader.png, reader.info, PNG_INFO_sRGB | PNG_INFO_iCCP) != 0) return false;
+    if (!png_get_cHRM(reader.png, reader.info, &xy[0], &xy[1], &xy[2], &xy[3], &xy[4], &xy[5],
+                      &xy[6], &xy[7]))
+        return false;
+    return !std::ranges::equal(xy, kSrgb, [](double found, double expected) {
+        return std::abs(found - expected) <= kTolerance;
+    });
+}
+
 bool read_rows(const PngReader& reader, png_bytepp rows) {
     if (setjmp(png_jmpbuf(reader.png))) return false;
     png_read_image(reader.png, rows);
@@ -158,6 +177,7 @@ ImageFile formats::decode_png(const std::string& name, std::string_view bytes) {
                    "PNG",
                    header.stored_bits};
     file.profile = profile_name(profile_of(reader));
+    if (file.profile.empty() && has_other_primaries(reader)) file.profile = kOtherPrimaries;
     file.says_linear = says_linear(reader);
     take_alpha(file);
     return file;

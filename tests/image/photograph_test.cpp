@@ -309,6 +309,20 @@ TEST_F(Photographs, ColorsThatExifSaysAreNotThoseOfSrgbAreNamed) {
     }
 }
 
+TEST_F(Photographs, OtherPrimariesOfPngAreNamed) {
+    const auto profile = [&](const std::vector<double>& chromaticities, const std::string& icc) {
+        PngLayout png;
+        png.gamma = 1 / 2.2, png.chromaticities = chromaticities, png.profile = icc;
+        return read_photograph(write("a.png", make_png(png))).profile;
+    };
+    const std::vector<double> adobe{0.3127, 0.329, 0.64, 0.33, 0.21, 0.71, 0.15, 0.06},
+        srgb{0.3127, 0.329, 0.6401, 0.33, 0.2998, 0.6, 0.15, 0.06};
+    EXPECT_EQ(profile(adobe, ""), "other primaries by cHRM, as of Adobe RGB");
+    EXPECT_EQ(profile(srgb, ""), "");
+    EXPECT_EQ(profile({}, ""), "");
+    EXPECT_EQ(profile(adobe, make_profile("Display P3", 2)), "Display P3");
+}
+
 TEST_F(Photographs, AGammaOfOneSaysThatNumbersAreLinear) {
     const auto says_linear = [&](double gamma, const std::string& profile = "") {
         PngLayout png;

@@ -127,6 +127,8 @@ std::string make_png(const PngLayout& layout) {
                      reinterpret_cast<png_const_bytep>(layout.profile.data()),
                      static_cast<png_uint_32>(layout.profile.size()));
     if (layout.gamma > 0) png_set_gAMA(png, info, layout.gamma);
+    if (const std::vector<double>& c = layout.chromaticities; !c.empty())
+        png_set_cHRM(png, info, c[0], c[1], c[2], c[3], c[4], c[5], c[6], c[7]);
     png_write_info(png, info);
     std::vector<std::vector<std::uint8_t>> rows;
     std::vector<png_bytep> pointers;

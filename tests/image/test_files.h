@@ -24,6 +24,7 @@ struct PngLayout {
     std::string text = {};     ///< a compressed one, before the pixels
     std::string profile = {};  ///< an ICC profile
     double gamma = 0;          ///< the exponent that the numbers are encoded with; 0: not said
+    std::vector<double> chromaticities = {};  ///< x and y of white, red, green and blue; or none
 };
 /// The header and the name of an ICC profile, in ASCII as of version 2 or in UTF-16 as of
 /// version 4.
