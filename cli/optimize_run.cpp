@@ -90,9 +90,8 @@ void size_cameras(const Renderer& renderer, RunResult& run) {
 /// How the files were read, and what looks wrong in them.
 void log_pictures(RunResult& run) {
     std::vector<std::string> sentences = mask_texts(run.sources, run.pictures.masks);
-    for (std::size_t i = 0; i < run.sources.size(); ++i)
-        if (const Photograph& p = run.pictures.photographs[i]; !p.type.empty())
-            sentences.push_back(fmt::format("{}: {}", run.sources[i].image, decoding_text(p)));
+    for (std::string& text : decoding_texts(run.sources, run.pictures.photographs))
+        sentences.push_back(std::move(text));
     log_first(sentences, log_info, "summary.json has them all");
     const bool has_color = std::ranges::any_of(run.textures, &TargetTexture::is_color);
     run.picture_warnings = picture_warnings(run.sources, run.pictures, has_color);

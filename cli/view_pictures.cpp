@@ -220,8 +220,6 @@ std::vector<AlikePictures> alike_pictures(const std::vector<Photograph>& photogr
 
 }  // namespace
 
-std::string decoding_text(const Photograph& p) { return decoding_text(p, p.clipped_pixels); }
-
 std::vector<std::string> decoding_texts(const std::vector<CapturedView>& views,
                                         const std::vector<Photograph>& photographs) {
     const std::vector<AlikePictures> groups = alike_pictures(photographs);

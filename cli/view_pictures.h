@@ -39,11 +39,10 @@ CheckedViews check_views(const Renderer& renderer, const std::vector<CapturedVie
 /// mask_blind_pixels of optimize/views.h. Returns what is said of it; empty: nothing is left out.
 std::string leave_out_blind_pixels(const Renderer& renderer, std::size_t number, View& view);
 
-/// How a file was read: "JPEG, 8 bits, sRGB, turned by EXIF orientation 6, 12 pixels clipped and
-/// left out".
-std::string decoding_text(const Photograph& photograph);
-/// How all were read, one text for each way: "17 pictures: EXR, 32 bits, linear"; of several ways
-/// "a.png and 3 others: PNG, 8 bits, sRGB". Clipped pixels are those of all that share a text.
+/// How files were read, one text for each way: "a.jpg: JPEG, 8 bits, sRGB, turned by EXIF
+/// orientation 6, 12 pixels clipped and left out"; of several pictures "17 pictures: EXR, 32 bits,
+/// linear"; of several ways "a.png and 3 others: PNG, 8 bits, sRGB". Clipped pixels are those of
+/// all that share a text.
 std::vector<std::string> decoding_texts(const std::vector<CapturedView>& views,
                                         const std::vector<Photograph>& photographs);
 /// "linear", "sRGB" or "gamma 2.2".

@@ -87,6 +87,8 @@ TEST_F(PhotographsTest, ExposuresAreRecovered) {
     const Outcome outcome = run(optimize + "-o fitted");
     ASSERT_EQ(outcome.code, 0) << outcome.err;
     EXPECT_FALSE(contains(outcome.err, "every exposure is fitted")) << outcome.err;
+    EXPECT_TRUE(contains(outcome.err, "3 pictures: PNG, 8 bits, sRGB\n")) << outcome.err;
+    EXPECT_FALSE(contains(outcome.err, "p1.png: PNG")) << "one line of all";
     const json views = summary_of("fitted")["views"];
     for (std::size_t i = 0; i < 3; ++i) {
         EXPECT_EQ(views[i]["exposure_fitted"], i > 0);
@@ -293,7 +295,7 @@ TEST_F(PhotographsTest, WhatIsNotReadOfAFileIsSaid) {
             "--init 0.5 --evaluation-spp 2 -o out");
     ASSERT_EQ(outcome.code, 0) << outcome.err;
     for (const char* text :
-         {"JPEG, 8 bits, sRGB, EXIF orientation 6 left out",
+         {"2 pictures: JPEG, 8 bits, sRGB, EXIF orientation 6 left out",
           "p0.jpg (p0.jpg) has the colour profile \"Display P3\", which is not read: convert it to "
           "sRGB",
           "p1.jpg (p1.jpg) has the colour profile \"uncalibrated by EXIF, as of Adobe RGB\", which "
