@@ -135,7 +135,8 @@ void bind_captures(nb::module_& m) {
                 "collections.abc.Iterable[str] = ()) -> Capture"),
         "Reads a capture.json with its pictures and masks. scale: of the pictures' size, in (0, "
         "1]. held_out: names of views\nthat are not fitted, but evaluated, besides those that the "
-        "file holds out.");
+        "file holds out. The scene is not read: the picture of a\nsensor may be a row shorter than "
+        "its film's aspect ratio asks for, which the program refuses.");
     m.def("read_views", read_all_views, nb::arg("path"), nb::arg("images") = nb::none(),
           nb::arg("scale") = 1.0, nb::arg("exposure") = 1.0,
           nb::arg("held_out").none() = nb::tuple(),
