@@ -21,9 +21,10 @@ std::size_t terminal_columns() {
     return known ? size.ws_col : 80;
 }
 
-/// A line that wraps could not be rewritten.
+/// A line that wraps could not be rewritten. Nothing is said, nor thrown, where the terminal is
+/// gone: the work goes on.
 void rewrite_line(const std::string& text) {
-    fmt::print(stderr, "\r{}\x1b[K", text);
+    std::fputs(("\r" + text + "\x1b[K").c_str(), stderr);
     std::fflush(stderr);
 }
 
