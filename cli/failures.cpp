@@ -1,5 +1,7 @@
 #include "cli/failures.h"
 
+#include <cerrno>
+#include <cstdio>
 #include <filesystem>
 #include <new>
 #include <string_view>
@@ -20,6 +22,11 @@ bool is_of_thread(const std::exception& error) {
 }
 
 }  // namespace
+
+void print(const std::string& text) {
+    if (std::fputs(text.c_str(), stdout) == EOF)
+        throw UnprintedLine(errno, std::generic_category());
+}
 
 Failure current_failure() {
     try {

@@ -21,10 +21,14 @@ struct BatchFailed : std::runtime_error {
     ExitCode code;  ///< of the first
 };
 
-/// A line of standard output did not arrive.
+/// What was printed on standard output did not arrive. Of a reader that left, with EPIPE, it is no
+/// failure.
 struct UnprintedLine : std::system_error {
     using std::system_error::system_error;
 };
+
+/// Prints on standard output. Throws UnprintedLine.
+void print(const std::string& text);
 
 /// Of the exception that is being handled.
 Failure current_failure();

@@ -12,6 +12,7 @@
 #include "captures/capture_json.h"
 #include "cli/commands.h"
 #include "cli/console.h"
+#include "cli/failures.h"
 #include "cli/inspect.h"
 #include "cli/run_views.h"
 #include "cli/scene_input.h"
@@ -44,7 +45,7 @@ struct ViewFacts {
 /// Names of a scene file may hold anything.
 template <class... Values>
 void show_text(fmt::format_string<Values...> text, Values&&... values) {
-    fmt::print("{}", printable(fmt::format(text, std::forward<Values>(values)...)));
+    print(printable(fmt::format(text, std::forward<Values>(values)...)));
 }
 
 void print_sentences(const char* title, const std::vector<std::string>& sentences) {
@@ -229,7 +230,7 @@ void print_json(const std::string& file, const LoadedScene& loaded, const SceneF
     json["notes"] = loaded.notes;
     json["warnings"] = loaded.warnings;
     json["findings"] = facts.findings;
-    fmt::print("{}\n", json.dump(2, ' ', false, Json::error_handler_t::replace));
+    print(json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n");
 }
 
 /// Leaves out what optimize would refuse.

@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "cli/commands.h"
+#include "cli/failures.h"
 #include "cli/help.h"
 #include "cli/settings.h"
 
@@ -68,7 +69,7 @@ void print_markdown() {
         for (const Setting& s : all_settings())
             if (group_of(s) == group) page += entry(s);
     }
-    fmt::print("{}", page);
+    print(page);
 }
 
 }  // namespace

@@ -76,6 +76,26 @@ TEST_F(Robustness, OutputThatDoesNotArriveIsAnErrorUnlessNobodyReadsIt) {
     EXPECT_TRUE(fs::exists(folder / "a.exr"));
 }
 
+/// Of more than a pipe holds: a reader that leaves late leaves before all is written.
+TEST_F(Robustness, LongOutputThatDoesNotArriveIsNoDefect) {
+    std::string shapes;
+    for (int i = 0; i < 1000; ++i)
+        shapes += "<shape type=\"rectangle\"><bsdf type=\"diffuse\" id=\"bsdf-" +
+                  std::to_string(i) +
+                  "\"><rgb name=\"reflectance\" value=\"0.5\"/></bsdf></shape>\n";
+    replace("</scene>", shapes + "</scene>");
+    ASSERT_GT(run("info scene.xml --json").out.size(), 65536u);
+    for (const char* command : {"info scene.xml --json", "info scene.xml", "options --markdown"}) {
+        const std::string program = std::string("('" BURNISH_BINARY "' ") + command;
+        const Outcome full = shell(program + " >/dev/full)");
+        EXPECT_EQ(full.code, 74) << command;
+        EXPECT_TRUE(contains(full.err, "standard output cannot be written: No space left"))
+            << full.err;
+        const Outcome left = shell(program + "; echo $? >code) | true; exit $(cat code)");
+        EXPECT_EQ(left.code, 0) << command << ": " << left.err;
+    }
+}
+
 TEST_F(Robustness, LinesOfABatchThatDoNotArriveAreAnErrorAfterItsJobs) {
     write_text(folder / "jobs.json", R"({"options": {"scene.file": "scene.xml",
         "problem.parameters": ["base_color"], "path_cache.samples": 1, "stop.iterations": 1,
