@@ -10,11 +10,21 @@ namespace burnish::mitsuba {
 
 namespace {
 
+/// Few bytes can name many: each instance holds all shapes of its group, and a `merge` may hold
+/// another one twice, which does the same.
+constexpr std::size_t kMaxShapes = 2'000'000;
+
 /// Calls read with each shape inside. Those that are not supported are left out one by one.
 template <class Read>
 void read_members(Loader& loader, Properties& group, const Read& read) {
-    for (const Property* child : take_tag(group, "shape"))
+    for (const Property* child : take_tag(group, "shape")) {
+        if (++loader.members > kMaxShapes)
+            fail(child->site->place,
+                 fmt::format("the scene holds more than {} shapes inside of others, expected at "
+                             "most as many",
+                             kMaxShapes));
         read_or_leave_out(loader, "the scene goes on without it", [&] { read(*child); });
+    }
     warn_unknown(group, loader.result.warnings);
 }
 
@@ -81,9 +91,6 @@ Transform to_local_of(const Place& place, const Transform& to_world) {
                          1 / kMostScale, kMostShift));
     return to_local;
 }
-
-/// Few bytes can name many: each instance holds all shapes of its group.
-constexpr std::size_t kMaxShapes = 2'000'000;
 
 void load_instance(Loader& loader, Properties& properties) {
     const Place& place = properties.node->place;

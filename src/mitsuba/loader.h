@@ -54,8 +54,9 @@ struct Loader {
     std::map<const Node*, ShapeGroup> groups;
     AttributeSource attributes;                     ///< of the shape that is being read
     std::map<const Node*, bool> attribute_readers;  ///< whether an element reads one, once asked
-    int bsdfs_inside = 0;  ///< the bsdf that is being read, itself among them
-    int shapes = 0;        ///< seen so far, for made-up ids
+    int bsdfs_inside = 0;     ///< the bsdf that is being read, itself among them
+    int shapes = 0;           ///< seen so far, for made-up ids
+    std::size_t members = 0;  ///< shapes inside of others, read so far
 };
 
 void log_warning(Loader& loader, const Place& place, const std::string& text);

@@ -518,6 +518,25 @@ TEST(BadSceneFiles, InstancesOfTooManyShapesAreRefused) {
         << error_of(file);
 }
 
+/// 2^40 shapes, each of which holds none.
+TEST(BadSceneFiles, MergesThatHoldOthersTwiceAreRefused) {
+    const TemporaryFolder folder;
+    std::string merges = "<shape type='merge' id='m0'/>\n";
+    for (int i = 0; i < 40; ++i) {
+        const std::string ref = "<ref id='m" + std::to_string(i) + "'/>";
+        merges +=
+            "<shape type='merge' id='m" + std::to_string(i + 1) + "'>" + ref + ref + "</shape>\n";
+    }
+    for (const std::string group : {"", "<shape type='shapegroup'><ref id='m40'/></shape>"}) {
+        const auto file =
+            write_text(folder, "a.xml", "<scene version='3.0.0'>" + group + merges + "</scene>");
+        const std::string error = error_of(file), prefix = file.string() + ":";
+        EXPECT_EQ(error.rfind(prefix, 0), 0u) << error;
+        EXPECT_NE(error.find("holds more than 2000000 shapes inside of others"), std::string::npos)
+            << error;
+    }
+}
+
 /// Names are looked up among all children: 2 10^10 comparisons one by one.
 TEST(BadSceneFiles, ManyShapesOfAMergeAreReadSoon) {
     const TemporaryFolder folder;
