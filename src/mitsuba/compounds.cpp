@@ -105,7 +105,8 @@ void load_instance(Loader& loader, Properties& properties) {
                              tag));
     const Transform to_world = take_transform(properties, "to_world").value_or(Transform{});
     const Transform to_local = to_local_of(place, to_world);
-    const std::string id = id_or(*properties.node, fmt::format("shape_{}", loader.shapes++));
+    const std::string id =
+        id_or_made_up(loader, *properties.node, fmt::format("shape_{}", loader.shapes++));
     const ShapeGroup group = load_group(loader, *shapes[0]->node);
     if (!group.box.empty()) require_reach(place, transform_box(to_world, group.box));
     Scene& scene = loader.result.scene;

@@ -197,7 +197,8 @@ void load_emitter(Loader& loader, const Node& node) {
     ignore(properties, {"sampling_weight"});
     Scene& scene = loader.result.scene;
     const Emitter emitter = read_emitter(loader, properties);
-    scene.emitter_ids.push_back(id_or(node, fmt::format("emitter_{}", scene.emitters.size())));
+    scene.emitter_ids.push_back(
+        id_or_made_up(loader, node, fmt::format("emitter_{}", scene.emitters.size())));
     scene.emitters.push_back(emitter);
     warn_unknown(properties, loader.result.warnings);
 }

@@ -28,6 +28,11 @@ void note(Loader& loader, const Place& place, const std::string& text) {
     loader.result.notes.push_back(sentence(place, text));
 }
 
+std::string id_or_made_up(const Loader& loader, const Node& node, std::string made_up) {
+    while (loader.document.ids.contains(made_up)) made_up += '_';
+    return id_or(node, std::move(made_up));
+}
+
 void leave_out(Loader& loader, const Unsupported& error, const std::string& what) {
     if (!loader.options.ignore_unsupported) throw error;
     loader.result.warnings.push_back(fmt::format("{}: left out, {}", error.what(), what));
@@ -92,7 +97,7 @@ void load_object(Loader& loader, const Node& node, const std::set<const Node*>& 
     if (node.tag == "shape") {
         load_shape(loader, node);
     } else if (node.tag == "bsdf") {
-        const std::string id = fmt::format("bsdf_{}", materials++);
+        const std::string id = id_or_made_up(loader, node, fmt::format("bsdf_{}", materials++));
         if (!reads_attribute(loader, node)) load_material(loader, node, id);
     } else if (node.tag == "texture") {
         if (!reads_attribute(loader, node)) load_texture(loader, node, TextureUse::kAny);

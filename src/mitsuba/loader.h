@@ -62,6 +62,10 @@ struct Loader {
 void log_warning(Loader& loader, const Place& place, const std::string& text);
 void note(Loader& loader, const Place& place, const std::string& text);
 
+/// The id of an element; where it has none, the made-up one, with "_" behind it while the scene
+/// gives that to another element.
+std::string id_or_made_up(const Loader& loader, const Node& node, std::string made_up);
+
 // One reader per family. All throw InputError with file:line:column.
 void load_integrator(Loader& loader, const Node& node);
 /// Warns where `volpath` goes further than `path`, as which it is read. Of a scene that is read.

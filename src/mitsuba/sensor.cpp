@@ -199,7 +199,7 @@ SceneSensor read_sensor(Loader& loader, const Node& node, std::size_t number) {
                     "\"perspective\", \"thinlens\" or \"orthographic\"");
     SceneSensor sensor;
     sensor.number = number;
-    sensor.id = id_or(node, fmt::format("sensor_{}", number));
+    sensor.id = id_or_made_up(loader, node, fmt::format("sensor_{}", number));
     const Property* film = take_only(properties, "film");
     sensor.film = film ? read_film(loader, *film->node) : default_film(loader.options);
     require_pixels(film ? film->node->place : node.place, sensor.film);

@@ -291,7 +291,7 @@ void require_reach(const Place& place, const Box& box) {
 Shape read_shape(Loader& loader, Properties& properties, bool emits) {
     Shape shape;
     ignore(properties, {"silhouette_sampling_weight"});  // only how Mitsuba samples it
-    shape.id = id_or(*properties.node, fmt::format("shape_{}", loader.shapes++));
+    shape.id = id_or_made_up(loader, *properties.node, fmt::format("shape_{}", loader.shapes++));
     loader.attributes = {};
     try {
         shape.geometry = read_geometry(loader, properties);

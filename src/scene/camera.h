@@ -52,7 +52,8 @@ struct PerspectiveCamera {
 
 /// A sensor of the scene file.
 struct SceneSensor {
-    std::string id;  ///< "sensor_0", counted from 0, where the file gives none
+    /// "sensor_0", counted from 0, where the file gives none, and "sensor_0_" where it gives that.
+    std::string id;
     PerspectiveCamera camera;
     Film film;
     std::size_t number = 0;  ///< among all sensors of the file, those that were left out included

@@ -547,6 +547,32 @@ TEST(Kinds, NumbersOfSensorsCountThoseThatAreLeftOut) {
     EXPECT_THROW(renderer.with_camera(Sensor{"1"}), InputError);
 }
 
+TEST(Kinds, MadeUpIdsAreNoneThatTheSceneGives) {
+    const TemporaryFolder folder;
+    const Scene scene =
+        load_text(folder,
+                  "<sensor type='perspective'/><sensor type='perspective' id='sensor_0'/>"
+                  "<emitter type='point'/><emitter type='point' id='emitter_0'/>"
+                  "<bsdf type='diffuse'/><bsdf type='diffuse' id='bsdf_0'/>"
+                  "<shape type='sphere'/><shape type='sphere' id='shape_0'/>"
+                  "<shape type='sphere' id='shape_4'/>"
+                  "<shape type='shapegroup' id='group'><shape type='sphere'/></shape>"
+                  "<shape type='instance'><ref id='group'/></shape>")
+            .scene;
+    const auto ids_of = [](const auto& all) {
+        std::vector<std::string> ids;
+        for (const auto& one : all) ids.push_back(one.id);
+        return ids;
+    };
+    using Ids = std::vector<std::string>;
+    EXPECT_EQ(ids_of(scene.sensors), (Ids{"sensor_0_", "sensor_0"}));
+    EXPECT_EQ(scene.emitter_ids, (Ids{"emitter_0_", "emitter_0"}));
+    EXPECT_EQ(ids_of(scene.shapes), (Ids{"shape_0_", "shape_0", "shape_4", "shape_4_"}));
+    const Ids materials = ids_of(scene.materials);
+    ASSERT_GE(materials.size(), 2u);
+    EXPECT_EQ(Ids(materials.begin(), materials.begin() + 2), (Ids{"bsdf_0_", "bsdf_0"}));
+}
+
 TEST(Kinds, PicturesThatNoFileHoldsAreRefusedWithoutAFilmToo) {
     const TemporaryFolder folder;
     LoadOptions large;
