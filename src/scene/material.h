@@ -175,7 +175,8 @@ struct PrincipledThin {
 /// To add a BSDF: a struct above and its place in this variant. The compiler then names what lacks:
 ///   scene/material.h            its colours and scalars, which lobes of it are delta lobes, and
 ///                               the functions of material.cpp
-///   shading/bsdf.h              its parameters, and eval / sample / pdf on a scalar type T
+///   shading/                    its parameters, and eval / sample / pdf on a scalar type T, in a
+///                               file of its own; its parameters from a row in bsdf.h
 ///   paths/traced_scene.cpp      whether it is black whatever the light
 ///   cli/blender_script.cpp, models/gltf_material.cpp   what other programs get of it
 /// The compiler does not name:

@@ -1,5 +1,6 @@
 // Any BSDF of a scene as a function of what it reads at a point, on plain numbers or duals. To add
-// a kind of BSDF: its overloads here; whoever visits a Bsdf then finds them.
+// a kind of BSDF: its parameters from a row here, and its overloads of eval_bsdf, pdf_bsdf and
+// sample_bsdf in a file of its own; whoever visits a Bsdf then finds them.
 #pragma once
 
 #include "shading/dielectric.h"
@@ -89,7 +90,7 @@ auto bsdf_parameters(const Kind& bsdf, const BsdfInputs<T>& v) {
 
 // BSDF times |cos theta_o|, without delta lobes; the density of sampling wo, without theirs; a
 // direction drawn with it. wi points to the camera, wo to the light, both local. u: uniform in [0,
-// 1)^2, u_lobe in [0, 1).
+// 1)^2, u_lobe in [0, 1). Those of most kinds stand in the files of these.
 
 template <class T>
 Rgb<T> eval_bsdf(const DiffuseParameters<T>& p, const Vec3<Plain<T>>& wi,
@@ -101,41 +102,6 @@ Rgb<T> eval_bsdf(const PrincipledParameters<T>& p, const Vec3<Plain<T>>& wi,
                  const Vec3<Plain<T>>& wo) {
     return eval_principled(p, wi, wo);
 }
-template <class T>
-Rgb<T> eval_bsdf(const ConductorParameters<T>&, const Vec3<Plain<T>>&, const Vec3<Plain<T>>&) {
-    return {};
-}
-template <class T>
-Rgb<T> eval_bsdf(const RoughConductorParameters<T>& p, const Vec3<Plain<T>>& wi,
-                 const Vec3<Plain<T>>& wo) {
-    return eval_rough_conductor(p, wi, wo);
-}
-template <class T>
-Rgb<T> eval_bsdf(const PlasticParameters<T>& p, const Vec3<Plain<T>>& wi,
-                 const Vec3<Plain<T>>& wo) {
-    return eval_plastic(p, wi, wo);
-}
-template <class T>
-Rgb<T> eval_bsdf(const RoughPlasticParameters<T>& p, const Vec3<Plain<T>>& wi,
-                 const Vec3<Plain<T>>& wo) {
-    return eval_rough_plastic(p, wi, wo);
-}
-
-template <class T>
-Rgb<T> eval_bsdf(const DielectricParameters<T>&, const Vec3<Plain<T>>&, const Vec3<Plain<T>>&) {
-    return {};
-}
-template <class T>
-Rgb<T> eval_bsdf(const RoughDielectricParameters<T>& p, const Vec3<Plain<T>>& wi,
-                 const Vec3<Plain<T>>& wo) {
-    return eval_rough_dielectric(p, wi, wo);
-}
-
-template <class T>
-Rgb<T> eval_bsdf(const PrincipledThinParameters<T>& p, const Vec3<Plain<T>>& wi,
-                 const Vec3<Plain<T>>& wo) {
-    return eval_principled_thin(p, wi, wo);
-}
 
 template <class U>
 U pdf_bsdf(const DiffuseParameters<U>& p, const Vec3<U>& wi, const Vec3<U>& wo) {
@@ -144,36 +110,6 @@ U pdf_bsdf(const DiffuseParameters<U>& p, const Vec3<U>& wi, const Vec3<U>& wo) 
 template <class U>
 U pdf_bsdf(const PrincipledParameters<U>& p, const Vec3<U>& wi, const Vec3<U>& wo) {
     return pdf_principled(p, wi, wo);
-}
-template <class U>
-U pdf_bsdf(const ConductorParameters<U>&, const Vec3<U>&, const Vec3<U>&) {
-    return U(0.0f);
-}
-template <class U>
-U pdf_bsdf(const RoughConductorParameters<U>& p, const Vec3<U>& wi, const Vec3<U>& wo) {
-    return pdf_rough_conductor(p, wi, wo);
-}
-template <class U>
-U pdf_bsdf(const PlasticParameters<U>& p, const Vec3<U>& wi, const Vec3<U>& wo) {
-    return pdf_plastic(p, wi, wo);
-}
-template <class U>
-U pdf_bsdf(const RoughPlasticParameters<U>& p, const Vec3<U>& wi, const Vec3<U>& wo) {
-    return pdf_rough_plastic(p, wi, wo);
-}
-
-template <class U>
-U pdf_bsdf(const DielectricParameters<U>&, const Vec3<U>&, const Vec3<U>&) {
-    return U(0.0f);
-}
-template <class U>
-U pdf_bsdf(const RoughDielectricParameters<U>& p, const Vec3<U>& wi, const Vec3<U>& wo) {
-    return pdf_rough_dielectric(p, wi, wo);
-}
-
-template <class U>
-U pdf_bsdf(const PrincipledThinParameters<U>& p, const Vec3<U>& wi, const Vec3<U>& wo) {
-    return pdf_principled_thin(p, wi, wo);
 }
 
 template <class U>
@@ -185,43 +121,6 @@ template <class U>
 SampledDirection<U> sample_bsdf(const PrincipledParameters<U>& p, const Vec3<U>& wi,
                                 const Vec2<U>& u, const U& u_lobe) {
     return sample_principled(p, wi, u, u_lobe);
-}
-template <class U>
-SampledDirection<U> sample_bsdf(const ConductorParameters<U>& p, const Vec3<U>& wi, const Vec2<U>&,
-                                const U&) {
-    return sample_conductor(p, wi);
-}
-template <class U>
-SampledDirection<U> sample_bsdf(const RoughConductorParameters<U>& p, const Vec3<U>& wi,
-                                const Vec2<U>& u, const U&) {
-    return sample_rough_conductor(p, wi, u);
-}
-template <class U>
-SampledDirection<U> sample_bsdf(const PlasticParameters<U>& p, const Vec3<U>& wi, const Vec2<U>& u,
-                                const U& u_lobe) {
-    return sample_plastic(p, wi, u, u_lobe);
-}
-template <class U>
-SampledDirection<U> sample_bsdf(const RoughPlasticParameters<U>& p, const Vec3<U>& wi,
-                                const Vec2<U>& u, const U& u_lobe) {
-    return sample_rough_plastic(p, wi, u, u_lobe);
-}
-
-template <class U>
-SampledDirection<U> sample_bsdf(const DielectricParameters<U>& p, const Vec3<U>& wi, const Vec2<U>&,
-                                const U& u_lobe) {
-    return sample_dielectric(p, wi, u_lobe);
-}
-template <class U>
-SampledDirection<U> sample_bsdf(const RoughDielectricParameters<U>& p, const Vec3<U>& wi,
-                                const Vec2<U>& u, const U& u_lobe) {
-    return sample_rough_dielectric(p, wi, u, u_lobe);
-}
-
-template <class U>
-SampledDirection<U> sample_bsdf(const PrincipledThinParameters<U>& p, const Vec3<U>& wi,
-                                const Vec2<U>& u, const U& u_lobe) {
-    return sample_principled_thin(p, wi, u, u_lobe);
 }
 
 /// Whether a kind has delta lobes: SampledDirection::delta is asked for there alone.

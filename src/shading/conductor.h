@@ -3,7 +3,7 @@
 //   f |cos_o| = reflectance F(wi . h) D(h) G1(wi) G1(wo) / (4 cos_i)
 //
 // with the Fresnel reflectance of the complex index eta + i k. wi points to the camera, wo to the
-// light; both local.
+// light; both local. What eval_bsdf, pdf_bsdf and sample_bsdf return: bsdf.h.
 #pragma once
 
 #include "shading/facets.h"
@@ -56,9 +56,20 @@ inline BsdfConstants<float> bsdf_constants(const RoughConductor& b) {
     return {{n.x, n.y, n.z, k.x, k.y, k.z, facet_code(b.roughness)}, {}};
 }
 
+/// Of delta lobes alone.
+template <class T>
+Rgb<T> eval_bsdf(const ConductorParameters<T>&, const Vec3<Plain<T>>&, const Vec3<Plain<T>>&) {
+    return {};
+}
+template <class U>
+U pdf_bsdf(const ConductorParameters<U>&, const Vec3<U>&, const Vec3<U>&) {
+    return U(0.0f);
+}
+
 /// The one direction of a mirror; none from behind.
 template <class U>
-SampledDirection<U> sample_conductor(const ConductorParameters<U>& p, const Vec3<U>& wi) {
+SampledDirection<U> sample_bsdf(const ConductorParameters<U>& p, const Vec3<U>& wi, const Vec2<U>&,
+                                const U&) {
     const U zero(0.0f), one(1.0f);
     const auto front = wi.z > zero;
     const Rgb<U> f = p.reflectance * fresnel_conductor(max(wi.z, zero), p.eta, p.k);
@@ -83,10 +94,9 @@ MirrorFacet<U> mirror_facet(const Vec3<U>& wi, const Vec3<U>& wo) {
     return {h, wi_h, front && wi_h > zero};
 }
 
-/// BSDF times |cos theta_o|, linear RGB.
 template <class T>
-Rgb<T> eval_rough_conductor(const RoughConductorParameters<T>& p, const Vec3<Plain<T>>& wi,
-                            const Vec3<Plain<T>>& wo) {
+Rgb<T> eval_bsdf(const RoughConductorParameters<T>& p, const Vec3<Plain<T>>& wi,
+                 const Vec3<Plain<T>>& wo) {
     using U = Plain<T>;
     const auto m = mirror_facet(wi, wo);
     if (!any(m.front)) return {};
@@ -97,18 +107,16 @@ Rgb<T> eval_rough_conductor(const RoughConductorParameters<T>& p, const Vec3<Pla
     return {r.x * common * f.x, r.y * common * f.y, r.z * common * f.z};
 }
 
-/// Density of sample_rough_conductor in solid angle.
 template <class U>
-U pdf_rough_conductor(const RoughConductorParameters<U>& p, const Vec3<U>& wi, const Vec3<U>& wo) {
+U pdf_bsdf(const RoughConductorParameters<U>& p, const Vec3<U>& wi, const Vec3<U>& wo) {
     const auto m = mirror_facet(wi, wo);
     const U pdf = pdf_facet(p.facets, wi, m.h) * safe_divide(U(0.25f), m.wi_h);
     return select(m.front, pdf, U(0.0f));
 }
 
-/// u: uniform in [0, 1)^2.
 template <class U>
-SampledDirection<U> sample_rough_conductor(const RoughConductorParameters<U>& p, const Vec3<U>& wi,
-                                           const Vec2<U>& u) {
+SampledDirection<U> sample_bsdf(const RoughConductorParameters<U>& p, const Vec3<U>& wi,
+                                const Vec2<U>& u, const U&) {
     const U zero(0.0f);
     const auto front = wi.z > zero;
     const Vec3<U> h = sample_facet(p.facets, select(front, wi, -wi), u);

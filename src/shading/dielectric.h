@@ -7,6 +7,7 @@
 //
 // where eta' is the index behind the surface over that before it. Transmission is of radiance,
 // which refraction compresses by 1 / eta'^2. wi points to the camera, wo to the light; both local.
+// What eval_bsdf, pdf_bsdf and sample_bsdf return: bsdf.h.
 #pragma once
 
 #include "shading/facets.h"
@@ -37,10 +38,20 @@ inline BsdfConstants<float> bsdf_constants(const RoughDielectric& b) {
     return {{b.eta, 0, facet_code(b.roughness)}, {}};
 }
 
-/// The mirrored or the passing direction. u_lobe: uniform in [0, 1).
+/// Of delta lobes alone.
+template <class T>
+Rgb<T> eval_bsdf(const DielectricParameters<T>&, const Vec3<Plain<T>>&, const Vec3<Plain<T>>&) {
+    return {};
+}
 template <class U>
-SampledDirection<U> sample_dielectric(const DielectricParameters<U>& p, const Vec3<U>& wi,
-                                      const U& u_lobe) {
+U pdf_bsdf(const DielectricParameters<U>&, const Vec3<U>&, const Vec3<U>&) {
+    return U(0.0f);
+}
+
+/// The mirrored or the passing direction.
+template <class U>
+SampledDirection<U> sample_bsdf(const DielectricParameters<U>& p, const Vec3<U>& wi, const Vec2<U>&,
+                                const U& u_lobe) {
     const U zero(0.0f), one(1.0f);
     const auto f = fresnel_dielectric(select(p.thin, abs(wi.z), wi.z), p.eta);
     // Of a pane: what its interfaces send back and forth, r + t^2 r + t^2 r^3 + ...
@@ -58,10 +69,9 @@ SampledDirection<U> sample_dielectric(const DielectricParameters<U>& p, const Ve
     return s;
 }
 
-/// BSDF times |cos theta_o|, linear RGB.
 template <class T>
-Rgb<T> eval_rough_dielectric(const RoughDielectricParameters<T>& p, const Vec3<Plain<T>>& wi,
-                             const Vec3<Plain<T>>& wo) {
+Rgb<T> eval_bsdf(const RoughDielectricParameters<T>& p, const Vec3<Plain<T>>& wi,
+                 const Vec3<Plain<T>>& wo) {
     using U = Plain<T>;
     const U zero(0.0f), one(1.0f);
     const auto g = principled_geometry(wi, wo, p.glass.eta);
@@ -78,10 +88,8 @@ Rgb<T> eval_rough_dielectric(const RoughDielectricParameters<T>& p, const Vec3<P
     return {channel(r.x, t.x), channel(r.y, t.y), channel(r.z, t.z)};
 }
 
-/// Density of sample_rough_dielectric in solid angle.
 template <class U>
-U pdf_rough_dielectric(const RoughDielectricParameters<U>& p, const Vec3<U>& wi,
-                       const Vec3<U>& wo) {
+U pdf_bsdf(const RoughDielectricParameters<U>& p, const Vec3<U>& wi, const Vec3<U>& wo) {
     const U zero(0.0f), one(1.0f);
     const auto g = principled_geometry(wi, wo, p.glass.eta);
     const U mirrored = g.fresnel * safe_divide(U(0.25f), U(abs(g.wo_h)));
@@ -91,10 +99,9 @@ U pdf_rough_dielectric(const RoughDielectricParameters<U>& p, const Vec3<U>& wi,
     return select(g.reflects || g.refracts, pdf_facet(p.facets, wi, g.h) * dh, zero);
 }
 
-/// u: uniform in [0, 1)^2, u_lobe in [0, 1).
 template <class U>
-SampledDirection<U> sample_rough_dielectric(const RoughDielectricParameters<U>& p,
-                                            const Vec3<U>& wi, const Vec2<U>& u, const U& u_lobe) {
+SampledDirection<U> sample_bsdf(const RoughDielectricParameters<U>& p, const Vec3<U>& wi,
+                                const Vec2<U>& u, const U& u_lobe) {
     const U zero(0.0f), one(1.0f);
     const Vec3<U> h = sample_facet(p.facets, select(wi.z > zero, wi, -wi), u);
     const auto f = fresnel_dielectric(U(dot(wi, h)), p.glass.eta);

@@ -7,6 +7,7 @@
 // T: share of light that passes the interface; R: share of diffuse light that it reflects back
 // inside; [base] where the plastic is nonlinear. A smooth interface has T = 1 - F, and its specular
 // lobe is a delta lobe. wi points to the camera, wo to the light; both local.
+// What eval_bsdf, pdf_bsdf and sample_bsdf return: bsdf.h.
 #pragma once
 
 #include "shading/conductor.h"
@@ -96,10 +97,9 @@ U specular_probability(const PlasticParameters<U>& p, const U& reflected) {
     return max(p.least_specular, min(U(U(1.0f) - p.least_diffuse), share));
 }
 
-/// BSDF times |cos theta_o| without the delta lobe, linear RGB.
 template <class T>
-Rgb<T> eval_plastic(const PlasticParameters<T>& p, const Vec3<Plain<T>>& wi,
-                    const Vec3<Plain<T>>& wo) {
+Rgb<T> eval_bsdf(const PlasticParameters<T>& p, const Vec3<Plain<T>>& wi,
+                 const Vec3<Plain<T>>& wo) {
     using U = Plain<T>;
     const U zero(0.0f), one(1.0f);
     const auto front = wi.z > zero && wo.z > zero;
@@ -108,19 +108,17 @@ Rgb<T> eval_plastic(const PlasticParameters<T>& p, const Vec3<Plain<T>>& wi,
     return eval_plastic_base(p, select(front, passed, zero), wo.z);
 }
 
-/// Density of the diffuse lobe in solid angle.
 template <class U>
-U pdf_plastic(const PlasticParameters<U>& p, const Vec3<U>& wi, const Vec3<U>& wo) {
+U pdf_bsdf(const PlasticParameters<U>& p, const Vec3<U>& wi, const Vec3<U>& wo) {
     const U zero(0.0f), one(1.0f);
     const U mirror = specular_probability(p, fresnel_dielectric(wi.z, p.eta).reflectance);
     return select(wi.z > zero && wo.z > zero, (one - mirror) * wo.z * U(std::numbers::inv_pi),
                   zero);
 }
 
-/// u: uniform in [0, 1)^2, u_lobe in [0, 1).
 template <class U>
-SampledDirection<U> sample_plastic(const PlasticParameters<U>& p, const Vec3<U>& wi,
-                                   const Vec2<U>& u, const U& u_lobe) {
+SampledDirection<U> sample_bsdf(const PlasticParameters<U>& p, const Vec3<U>& wi, const Vec2<U>& u,
+                                const U& u_lobe) {
     const U zero(0.0f), one(1.0f), reflected = fresnel_dielectric(wi.z, p.eta).reflectance;
     const U mirror = specular_probability(p, reflected);
     const auto front = wi.z > zero, delta = front && u_lobe < mirror;
@@ -128,10 +126,9 @@ SampledDirection<U> sample_plastic(const PlasticParameters<U>& p, const Vec3<U>&
     return {wo, front, delta, {p.specular * reflected, mirror}, one};
 }
 
-/// BSDF times |cos theta_o|, linear RGB.
 template <class T>
-Rgb<T> eval_rough_plastic(const RoughPlasticParameters<T>& p, const Vec3<Plain<T>>& wi,
-                          const Vec3<Plain<T>>& wo) {
+Rgb<T> eval_bsdf(const RoughPlasticParameters<T>& p, const Vec3<Plain<T>>& wi,
+                 const Vec3<Plain<T>>& wo) {
     using U = Plain<T>;
     const U zero(0.0f);
     const auto m = mirror_facet(wi, wo);
@@ -146,9 +143,8 @@ Rgb<T> eval_rough_plastic(const RoughPlasticParameters<T>& p, const Vec3<Plain<T
     return {base.x + s.x * mirror, base.y + s.y * mirror, base.z + s.z * mirror};
 }
 
-/// Density of sample_rough_plastic in solid angle.
 template <class U>
-U pdf_rough_plastic(const RoughPlasticParameters<U>& p, const Vec3<U>& wi, const Vec3<U>& wo) {
+U pdf_bsdf(const RoughPlasticParameters<U>& p, const Vec3<U>& wi, const Vec3<U>& wo) {
     const U zero(0.0f), one(1.0f);
     const auto m = mirror_facet(wi, wo);
     const U mirror = specular_probability(
@@ -158,10 +154,9 @@ U pdf_rough_plastic(const RoughPlasticParameters<U>& p, const Vec3<U>& wi, const
     return select(m.front, mirror * facet + (one - mirror) * cosine, zero);
 }
 
-/// u: uniform in [0, 1)^2, u_lobe in [0, 1).
 template <class U>
-SampledDirection<U> sample_rough_plastic(const RoughPlasticParameters<U>& p, const Vec3<U>& wi,
-                                         const Vec2<U>& u, const U& u_lobe) {
+SampledDirection<U> sample_bsdf(const RoughPlasticParameters<U>& p, const Vec3<U>& wi,
+                                const Vec2<U>& u, const U& u_lobe) {
     const U zero(0.0f), one(1.0f);
     const auto front = wi.z > zero;
     const U mirror = specular_probability(

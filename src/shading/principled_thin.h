@@ -9,6 +9,7 @@
 //
 // where transmission mirrors the direction through the sheet, of facets whose roughness is scaled
 // by 0.65 eta - 0.35. Directions as in principled.h, whose formulas the lobes share.
+// What eval_bsdf, pdf_bsdf and sample_bsdf return: bsdf.h.
 #pragma once
 
 #include "shading/bsdf_row.h"
@@ -118,10 +119,9 @@ Rgb<T> eval_sheet_specular(const PrincipledThinParameters<T>& p, const SheetGeom
             channel(p.base_color.z, tint.z)};
 }
 
-/// BSDF times |cos theta_o|, linear RGB.
 template <class T>
-Rgb<T> eval_principled_thin(const PrincipledThinParameters<T>& p, const Vec3<Plain<T>>& wi,
-                            const Vec3<Plain<T>>& wo) {
+Rgb<T> eval_bsdf(const PrincipledThinParameters<T>& p, const Vec3<Plain<T>>& wi,
+                 const Vec3<Plain<T>>& wo) {
     using U = Plain<T>;
     const U one(1.0f);
     const auto g = sheet_geometry(wi, wo, p.eta);
@@ -159,9 +159,8 @@ SheetLobes<U> sheet_lobes(const PrincipledThinParameters<U>& p) {
     return {mirror * scale, pass * scale, above * scale, below * scale};
 }
 
-/// Density of sample_principled_thin in solid angle.
 template <class U>
-U pdf_principled_thin(const PrincipledThinParameters<U>& p, const Vec3<U>& wi, const Vec3<U>& wo) {
+U pdf_bsdf(const PrincipledThinParameters<U>& p, const Vec3<U>& wi, const Vec3<U>& wo) {
     const U zero(0.0f);
     const auto g = sheet_geometry(wi, wo, p.eta);
     const auto lobes = sheet_lobes(p);
@@ -174,10 +173,9 @@ U pdf_principled_thin(const PrincipledThinParameters<U>& p, const Vec3<U>& wi, c
     return select(g.wi.z > zero, specular + diffuse, zero);
 }
 
-/// u: uniform in [0, 1)^2, u_lobe in [0, 1).
 template <class U>
-SampledDirection<U> sample_principled_thin(const PrincipledThinParameters<U>& p, const Vec3<U>& wi,
-                                           const Vec2<U>& u, const U& u_lobe) {
+SampledDirection<U> sample_bsdf(const PrincipledThinParameters<U>& p, const Vec3<U>& wi,
+                                const Vec2<U>& u, const U& u_lobe) {
     const U zero(0.0f), one(1.0f);
     const auto lobes = sheet_lobes(p);
     const auto front = wi.z > zero;
