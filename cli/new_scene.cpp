@@ -215,17 +215,11 @@ std::vector<std::string> complaints_of_cameras(const NewScene& scene, const Mesh
     return complaints;
 }
 
-procedural::PatchMesh patch_of(const Mesh& mesh) {
-    procedural::PatchMesh patch{mesh.positions, mesh.normals, mesh.uvs, {}};
-    for (const Triangle& t : mesh.triangles) patch.triangles.push_back(t.vertex);
-    return patch;
-}
-
 void write_files(const NewScene& scene, const std::string& name, const FoundMesh& file,
                  const MeshCheck& check, const fs::path& folder) {
     const int size = scene.texture_size;
     for (const char* part : {"meshes", "textures"}) make_folder(folder / part);
-    write_bytes(folder / "meshes" / (name + ".ply"), procedural::ply_bytes(patch_of(file.mesh)));
+    write_bytes(folder / "meshes" / (name + ".ply"), procedural::ply_bytes(file.mesh));
     write_image(folder / "textures" / (name + "_base_color.exr"), make_image(size, size, 3, 0.5f));
     write_image(folder / "textures" / (name + "_roughness.exr"), make_image(size, size, 1, 0.5f));
     if (!scene.environment.empty()) {

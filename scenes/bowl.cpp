@@ -36,7 +36,7 @@ double rest(double azimuth, double k) {
 
 CurveRows make_bowl_rows() { return spread_rows(kBowlProfile); }
 
-PatchMesh make_bowl() {
+Mesh make_bowl() {
     constexpr int kColumns = 288, kRows = 170;
     const CurveRows rows = make_bowl_rows();
     const auto surface = [&](double a, double b) {
@@ -48,7 +48,7 @@ PatchMesh make_bowl() {
     return tessellate(kColumns, kRows, surface, cell_step(kColumns, kRows));
 }
 
-PatchMesh make_ring_light() {
+Mesh make_ring_light() {
     return tessellate(64, 16, [](double a, double b) {
         const double turn = -2 * pi * b;
         return PatchPoint{

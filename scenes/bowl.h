@@ -19,9 +19,9 @@ struct BowlBands {
     double rosette = 1.3, lattice = 4.0, flutes = 7.0, rim = 11.2, waist = 15.3, foot = 17.0;
 };
 
-CurveRows make_bowl_rows();   ///< how texture columns (u in [0, 1]) lie on the curve
-PatchMesh make_bowl();        ///< with four rests in the rim; v in [0, kBowlRepeats]
-PatchMesh make_ring_light();  ///< a torus around the y axis, of radii 0.5 and 0.06, facing outward
+CurveRows make_bowl_rows();  ///< how texture columns (u in [0, 1]) lie on the curve
+Mesh make_bowl();            ///< with four rests in the rim; v in [0, kBowlRepeats]
+Mesh make_ring_light();      ///< a torus around the y axis, of radii 0.5 and 0.06, facing outward
 
 struct BowlTextures {
     Image anisotropic;  ///< [size, size, 1], 0.06 to 0.94

@@ -46,7 +46,7 @@ double goblet_relief(double azimuth, double k) {
 
 CurveRows make_goblet_rows() { return spread_rows(kGobletProfile); }
 
-PatchMesh make_goblet_wall() {
+Mesh make_goblet_wall() {
     const CurveRows rows = make_goblet_rows();
     return tessellate(216, 150, [&](double a, double b) {
         const double k = knot_at(rows, b), azimuth = 2 * pi * a;
@@ -55,8 +55,8 @@ PatchMesh make_goblet_wall() {
     });
 }
 
-PatchMesh make_goblet_inside() { return make_turned(kInsideKnots, 96, 40, true); }
-PatchMesh make_table_top() { return make_turned(kTableKnots, 96, 28); }
-PatchMesh make_lantern() { return make_turned(kLanternKnots, 24, 14); }
+Mesh make_goblet_inside() { return make_turned(kInsideKnots, 96, 40, true); }
+Mesh make_table_top() { return make_turned(kTableKnots, 96, 28); }
+Mesh make_lantern() { return make_turned(kLanternKnots, 24, 14); }
 
 }  // namespace burnish::procedural

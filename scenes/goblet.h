@@ -27,10 +27,10 @@ struct GobletBands {
 /// How texture rows (v in [0, 1], lip to foot) lie on the wall.
 CurveRows make_goblet_rows();
 
-PatchMesh make_goblet_wall();    ///< lip to foot, with relief; u in [0, kGobletRepeats]
-PatchMesh make_goblet_inside();  ///< of the bowl
-PatchMesh make_table_top();      ///< a round board at y = 0; uv spans the square around it
-PatchMesh make_lantern();        ///< a drop of radius 1 around the origin
+Mesh make_goblet_wall();    ///< lip to foot, with relief; u in [0, kGobletRepeats]
+Mesh make_goblet_inside();  ///< of the bowl
+Mesh make_table_top();      ///< a round board at y = 0; uv spans the square around it
+Mesh make_lantern();        ///< a drop of radius 1 around the origin
 
 /// What the goblet is covered with, texel by texel.
 struct GobletTextures {

@@ -22,7 +22,7 @@ void append(std::string& bytes, const Value& value) {
 
 }  // namespace
 
-void add_flat_triangle(PatchMesh& mesh, const Vec3<double>& a, const Vec3<double>& b,
+void add_flat_triangle(Mesh& mesh, const Vec3<double>& a, const Vec3<double>& b,
                        const Vec3<double>& c) {
     const Vec3<double> n = normalize(cross(b - a, c - a));
     const auto first = static_cast<std::uint32_t>(mesh.positions.size());
@@ -34,12 +34,12 @@ void add_flat_triangle(PatchMesh& mesh, const Vec3<double>& a, const Vec3<double
     mesh.triangles.push_back({first, first + 1, first + 2});
 }
 
-void append_mesh(PatchMesh& mesh, const PatchMesh& part) {
+void append_mesh(Mesh& mesh, const Mesh& part) {
     const auto first = static_cast<std::uint32_t>(mesh.positions.size());
     mesh.positions.insert(mesh.positions.end(), part.positions.begin(), part.positions.end());
     mesh.normals.insert(mesh.normals.end(), part.normals.begin(), part.normals.end());
     mesh.uvs.insert(mesh.uvs.end(), part.uvs.begin(), part.uvs.end());
-    for (const auto& t : part.triangles)
+    for (const auto& [t] : part.triangles)
         mesh.triangles.push_back({first + t[0], first + t[1], first + t[2]});
 }
 
@@ -61,7 +61,7 @@ double backdrop_floor_end(const Backdrop& shape) {
     return l.floor / (l.floor + l.arc + l.wall);
 }
 
-PatchMesh make_backdrop(const Backdrop& shape) {
+Mesh make_backdrop(const Backdrop& shape) {
     const BackdropLengths l = lengths_of(shape);
     return tessellate(8, 96, [&](double a, double b) {
         const double v = 1 - b, s = v * (l.floor + l.arc + l.wall);
@@ -75,7 +75,7 @@ PatchMesh make_backdrop(const Backdrop& shape) {
     });
 }
 
-std::string ply_bytes(const PatchMesh& mesh) {
+std::string ply_bytes(const Mesh& mesh) {
     std::string bytes = fmt::format(
         "ply\nformat binary_little_endian 1.0\nelement vertex {}\n"
         "property float x\nproperty float y\nproperty float z\n"
@@ -88,7 +88,7 @@ std::string ply_bytes(const PatchMesh& mesh) {
         append(bytes, mesh.normals[i]);
         append(bytes, mesh.uvs[i]);
     }
-    for (const auto& triangle : mesh.triangles) {
+    for (const Triangle& triangle : mesh.triangles) {
         append(bytes, std::uint8_t{3});
         append(bytes, triangle);
     }

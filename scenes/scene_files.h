@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "core/vec.h"
+#include "scene/shape.h"
 #include "scenes/procedural_options.h"
 
 namespace burnish::procedural {
@@ -32,13 +33,6 @@ struct PatchPoint {
     Vec2<double> uv;
 };
 
-/// Triangles with smooth normals and texture coordinates, as PLY holds them.
-struct PatchMesh {
-    std::vector<Vec3f> positions, normals;  ///< per vertex, normals unit
-    std::vector<Vec2f> uvs;                 ///< per vertex
-    std::vector<std::array<std::uint32_t, 3>> triangles;
-};
-
 /// Half-widths of the differences that normals are made of. The default gives the normal of the
 /// surface itself; where relief changes within a cell that normal may turn away from the triangles,
 /// and steps of a cell follow them.
@@ -51,31 +45,32 @@ inline NormalStep cell_step(int columns, int rows) { return {1.0 / columns, 1.0 
 /// (dp/da), and so do the normals, by differences; where dp/da vanishes (a pole of the y axis) the
 /// normal is +y or -y, and triangles without area are left out.
 template <class Surface>
-PatchMesh tessellate(int columns, int rows, const Surface& surface, const NormalStep& step = {});
+Mesh tessellate(int columns, int rows, const Surface& surface, const NormalStep& step = {});
 
 /// A triangle of its own three vertices with the normal of its plane, on the side from which a, b,
 /// c run counterclockwise; texture coordinates 0.
-void add_flat_triangle(PatchMesh& mesh, const Vec3<double>& a, const Vec3<double>& b,
+void add_flat_triangle(Mesh& mesh, const Vec3<double>& a, const Vec3<double>& b,
                        const Vec3<double>& c);
 
 /// Adds the triangles of `part`.
-void append_mesh(PatchMesh& mesh, const PatchMesh& part);
+void append_mesh(Mesh& mesh, const Mesh& part);
 
 /// A floor of the given half-width from z = front back to z = -back, and a wall of that height that
 /// rises from it in an arc. u runs over the width, v from the front edge to the top of the wall.
 struct Backdrop {
     double half_width = 3, front = 3, back = 2, height = 3, arc = 0.5;
 };
-PatchMesh make_backdrop(const Backdrop& shape);
+Mesh make_backdrop(const Backdrop& shape);
 /// v where the arc begins, at the back of the floor.
 double backdrop_floor_end(const Backdrop& shape);
 
-/// Binary little-endian PLY with x y z nx ny nz u v.
-std::string ply_bytes(const PatchMesh& mesh);
+/// Binary little-endian PLY with x y z nx ny nz u v. The mesh has normals and texture coordinates,
+/// as those made here.
+std::string ply_bytes(const Mesh& mesh);
 
 template <class Surface>
-PatchMesh tessellate(int columns, int rows, const Surface& surface, const NormalStep& step) {
-    PatchMesh mesh;
+Mesh tessellate(int columns, int rows, const Surface& surface, const NormalStep& step) {
+    Mesh mesh;
     for (int j = 0; j <= rows; ++j) {
         for (int i = 0; i <= columns; ++i) {
             const double a = static_cast<double>(i) / columns, b = static_cast<double>(j) / rows;

@@ -44,7 +44,7 @@ Vec3d bough_point(int i, double turn, double t) {
                        2 * pi * turn);
 }
 
-PatchMesh make_tier(int i) {
+Mesh make_tier(int i) {
     constexpr int kColumns = 216, kRows = 40, kRowsBelow = 4;
     const auto above = [&](double a, double b) {
         return PatchPoint{bough_point(i, a, b), {kTreeRepeats * a, bough_row(i, b)}};
@@ -56,7 +56,7 @@ PatchMesh make_tier(int i) {
         return PatchPoint{around_axis(r, std::lerp(edge.y, shape.edge + 0.06, b), 2 * pi * a),
                           {kTreeRepeats * a, bough_row(i, 1 - 0.5 * b)}};
     };
-    PatchMesh tier = tessellate(kColumns, kRows, above, cell_step(kColumns, kRows));
+    Mesh tier = tessellate(kColumns, kRows, above, cell_step(kColumns, kRows));
     append_mesh(tier, tessellate(kColumns, kRowsBelow, below, cell_step(kColumns, kRowsBelow)));
     return tier;
 }
@@ -64,7 +64,7 @@ PatchMesh make_tier(int i) {
 /// Radius of the cone through the edges of the tiers.
 double envelope(double y) { return 0.335 + 0.51 * (1.55 - y); }
 
-PatchMesh make_ribbon() {
+Mesh make_ribbon() {
     constexpr double kTurns = 4.25, kTop = 1.80, kBottom = 0.42;
     return tessellate(860, 4, [](double a, double b) {
         const double turn = kTurns * std::pow(a + 0.002, 0.62);
@@ -84,7 +84,7 @@ Vec2<double> in_tile(int tile, double x, double y) {
 }
 
 /// A ball with a cap; the tile is shown twice around it, the second time mirrored.
-PatchMesh make_bauble(const Vec3d& center, double radius, int tile, double turned_by) {
+Mesh make_bauble(const Vec3d& center, double radius, int tile, double turned_by) {
     return tessellate(28, 18, [&](double a, double b) {
         const double height = std::cos(pi * b), r = radius * std::sin(pi * b);
         const Vec3d p = around_axis(b == 1 ? 0 : r, radius * height, 2 * pi * (a + turned_by));
@@ -92,8 +92,8 @@ PatchMesh make_bauble(const Vec3d& center, double radius, int tile, double turne
     });
 }
 
-PatchMesh make_baubles(std::uint32_t seed) {
-    PatchMesh baubles;
+Mesh make_baubles(std::uint32_t seed) {
+    Mesh baubles;
     int tile = 0;
     for (int i = 0; i < kTiers; ++i) {
         const int count = kTreeRepeats * boughs_of(i);
@@ -112,8 +112,8 @@ PatchMesh make_baubles(std::uint32_t seed) {
 }
 
 /// A box on the floor: six faces, each a tile.
-PatchMesh make_box(const Vec3d& middle, const Vec3d& half, double turn, int tile) {
-    PatchMesh box;
+Mesh make_box(const Vec3d& middle, const Vec3d& half, double turn, int tile) {
+    Mesh box;
     const Vec3d x = around_axis(half.x, 0, turn + pi / 2), z = around_axis(half.z, 0, turn);
     const Vec3d y{0, half.y, 0};
     struct Side {
@@ -146,8 +146,8 @@ TreePlace tree_place(int tier, double turn, double t) {
     return {bough_point(tier, turn, t), normalize(cross(db, da))};
 }
 
-PatchMesh make_tree(std::uint32_t seed) {
-    PatchMesh tree;
+Mesh make_tree(std::uint32_t seed) {
+    Mesh tree;
     for (int i = 0; i < kTiers; ++i) append_mesh(tree, make_tier(i));
     append_mesh(tree, make_ribbon());
     append_mesh(tree, make_baubles(seed));
@@ -158,14 +158,14 @@ PatchMesh make_tree(std::uint32_t seed) {
     return tree;
 }
 
-PatchMesh make_trunk() {
+Mesh make_trunk() {
     constexpr Vec2<double> kPot[] = {{0.09, 0.60}, {0.10, 0.40}, {0.11, 0.27},  {0.20, 0.265},
                                      {0.25, 0.27}, {0.26, 0.24}, {0.235, 0.12}, {0.20, 0.00}};
     return make_turned(kPot, 64, 28);
 }
 
-PatchMesh make_star() {
-    PatchMesh star;
+Mesh make_star() {
+    Mesh star;
     const auto corner = [](int i) {
         const double r = i % 2 ? 0.42 : 1.0, angle = pi * i / 5;
         return Vec3d{r * std::sin(angle), r * std::cos(angle), 0};
@@ -177,8 +177,8 @@ PatchMesh make_star() {
     return star;
 }
 
-PatchMesh make_bulb() {
-    PatchMesh bulb;
+Mesh make_bulb() {
+    Mesh bulb;
     for (int i = 0; i < 6; ++i) {
         const Vec3d a = around_axis(0.9, -0.25, pi * i / 3);
         const Vec3d b = around_axis(0.9, -0.25, pi * (i + 1) / 3);

@@ -32,10 +32,10 @@ struct TreePlace {
 };
 TreePlace tree_place(int tier, double turn, double t);
 
-PatchMesh make_tree(std::uint32_t seed);  ///< boughs, ribbon, baubles, boxes
-PatchMesh make_trunk();                   ///< trunk and pot
-PatchMesh make_star();                    ///< five points, around the origin, radius 1
-PatchMesh make_bulb();                    ///< a flame of twelve triangles, radius 1
+Mesh make_tree(std::uint32_t seed);  ///< boughs, ribbon, baubles, boxes
+Mesh make_trunk();                   ///< trunk and pot
+Mesh make_star();                    ///< five points, around the origin, radius 1
+Mesh make_bulb();                    ///< a flame of twelve triangles, radius 1
 
 /// Where a bulb glows; radius in scene units.
 struct Bulb {

@@ -77,7 +77,7 @@ Vec3d lifted_point(Knots knots, double k, double azimuth, double height) {
     return around_axis(p.x - tangent.y * lift, p.y + tangent.x * lift, azimuth);
 }
 
-PatchMesh make_turned(Knots knots, int columns, int rows, bool inward) {
+Mesh make_turned(Knots knots, int columns, int rows, bool inward) {
     double widest = 0;
     for (const Vec2<double>& knot : knots) widest = std::max(widest, knot.x);
     return tessellate(columns, rows, [&](double a, double b) {

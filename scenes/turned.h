@@ -39,6 +39,6 @@ Vec3<double> lifted_point(Knots knots, double k, double azimuth, double height);
 
 /// A smooth curve turned around the axis; `inward` turns it the other way, so that it faces the
 /// other side. uv = (x, z) over the square around the curve's widest ring.
-PatchMesh make_turned(Knots knots, int columns, int rows, bool inward = false);
+Mesh make_turned(Knots knots, int columns, int rows, bool inward = false);
 
 }  // namespace burnish::procedural

@@ -76,7 +76,7 @@ double tyre_grooves(double s, double k) {
     return std::fmax(std::fmax(outer, inner), std::fmax(ring, middle));
 }
 
-PatchMesh make_tyre() {
+Mesh make_tyre() {
     constexpr int kColumns = 648, kRows = 136;
     const TyreRows rows = make_tyre_rows();
     const auto surface = [&](double a, double b) {
@@ -89,7 +89,7 @@ PatchMesh make_tyre() {
     return tessellate(kColumns, kRows, surface, cell_step(kColumns, kRows));
 }
 
-PatchMesh make_wheel() {
+Mesh make_wheel() {
     constexpr int kColumns = 160, kRows = 56;
     const auto surface = [](double a, double b) {
         const double k = b * (std::size(kWheelKnots) - 1.0), azimuth = 2 * pi * a;

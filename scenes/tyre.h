@@ -31,8 +31,8 @@ double tyre_knot(const TyreRows& rows, double v);
 double tyre_letters(double s, double k);  ///< raised letters: 1 on them, 0 beside
 double tyre_grooves(double s, double k);  ///< of the tread: 1 at the bottom, 0 on the blocks
 
-PatchMesh make_tyre();   ///< radius 1, with relief; u in [0, kTyreRepeats]
-PatchMesh make_wheel();  ///< five spokes; faces up
+Mesh make_tyre();   ///< radius 1, with relief; u in [0, kTyreRepeats]
+Mesh make_wheel();  ///< five spokes; faces up
 
 struct TyreTextures {
     Image roughness;   ///< [size, size, 1], 0.07 to 0.93

@@ -49,7 +49,7 @@ TEST(Goblet, RoughnessCoversItsRange) {
 }
 
 TEST(Goblet, WallIsASmoothlyShadedUnwrappedSurface) {
-    const procedural::PatchMesh wall = procedural::make_goblet_wall();
+    const Mesh wall = procedural::make_goblet_wall();
     EXPECT_GE(wall.triangles.size(), 20000u);
     EXPECT_LE(wall.triangles.size(), 80000u);
     // Every texel is used, kGobletRepeats times.

@@ -28,9 +28,9 @@ inline std::map<std::string, std::string> contents(const std::filesystem::path& 
 
 /// The smallest cosine between a triangle's plane and the normal of one of its vertices; -2 where a
 /// normal is not of length 1.
-inline double worst_normal(const procedural::PatchMesh& mesh) {
+inline double worst_normal(const Mesh& mesh) {
     double worst = 1;
-    for (const auto& t : mesh.triangles) {
+    for (const auto& [t] : mesh.triangles) {
         const Vec3f face = normalize(cross(mesh.positions[t[1]] - mesh.positions[t[0]],
                                            mesh.positions[t[2]] - mesh.positions[t[0]]));
         for (const std::uint32_t v : t) {
@@ -42,9 +42,9 @@ inline double worst_normal(const procedural::PatchMesh& mesh) {
 }
 
 /// Area of all triangles in texture coordinates.
-inline double uv_area(const procedural::PatchMesh& mesh) {
+inline double uv_area(const Mesh& mesh) {
     double area = 0;
-    for (const auto& t : mesh.triangles) {
+    for (const auto& [t] : mesh.triangles) {
         const Vec2f a = mesh.uvs[t[1]] - mesh.uvs[t[0]], b = mesh.uvs[t[2]] - mesh.uvs[t[0]];
         area += 0.5 * static_cast<double>(std::fabs(a.x * b.y - a.y * b.x));
     }
