@@ -7,6 +7,7 @@
 #include "burnish/error.h"
 #include "captures/camera_model.h"
 #include "captures/colmap_model.h"
+#include "core/bytes.h"
 #include "image/files.h"
 
 namespace burnish {
@@ -22,10 +23,7 @@ class Bytes {
 
     template <class T>
     T take(const char* what) {
-        std::uint64_t bits = 0;
-        const std::string_view taken = take_bytes(sizeof(T), what);
-        for (std::size_t i = sizeof(T); i-- > 0;)
-            bits = bits << 8 | static_cast<unsigned char>(taken[i]);
+        const std::uint64_t bits = number_at(take_bytes(sizeof(T), what), 0, sizeof(T));
         if constexpr (sizeof(T) == 8)
             return std::bit_cast<T>(bits);
         else

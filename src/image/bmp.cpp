@@ -7,19 +7,12 @@
 #include <cstddef>
 #include <iterator>
 
+#include "core/bytes.h"
 #include "image/formats.h"
 
 namespace burnish {
 
 namespace {
-
-/// Zero where the file has ended.
-std::size_t number_at(std::string_view bytes, std::size_t at, std::size_t size) {
-    std::size_t number = 0;
-    for (std::size_t i = 0; i < size && at + i < bytes.size(); ++i)
-        number |= std::size_t{static_cast<unsigned char>(bytes[at + i])} << (8 * i);
-    return number;
-}
 
 std::string four_bytes(std::size_t number) {
     std::string bytes;

@@ -1,9 +1,11 @@
 // An EXIF segment: a TIFF file. Its first directory has the orientation, tag 0x0112, one SHORT from
 // 1 to 8, and where EXIF's own directory stands, tag 0x8769, one LONG; that one has the colour
 // space, tag 0xA001, one SHORT. Nothing else of it is read.
+#include <bit>
 #include <cstdint>
 #include <optional>
 
+#include "core/bytes.h"
 #include "image/formats.h"
 
 namespace burnish {
@@ -11,31 +13,24 @@ namespace burnish {
 namespace {
 
 constexpr std::string_view kMagic{"Exif\0\0", 6};
-constexpr std::uint32_t kShort = 3, kLong = 4;
+constexpr std::uint64_t kShort = 3, kLong = 4;
 
 struct Tiff {
     std::string_view bytes;
-    bool little_endian = false;
+    std::endian order = std::endian::little;
 
-    /// An unsigned number of so many bytes; 0 beyond the end.
-    std::uint32_t number(std::size_t at, std::size_t size) const {
-        if (at > bytes.size() || size > bytes.size() - at) return 0;
-        std::uint32_t value = 0;
-        for (std::size_t i = 0; i < size; ++i) {
-            const std::size_t k = little_endian ? size - 1 - i : i;
-            value = value << 8 | static_cast<unsigned char>(bytes[at + k]);
-        }
-        return value;
+    std::uint64_t number(std::size_t at, std::size_t size) const {
+        return number_at(bytes, at, size, order);
     }
 };
 
 /// The value of a tag that has one of that type; none: the directory has no such tag.
-std::optional<std::uint32_t> find(const Tiff& tiff, std::size_t directory, std::uint32_t tag,
-                                  std::uint32_t type) {
+std::optional<std::uint64_t> find(const Tiff& tiff, std::size_t directory, std::uint64_t tag,
+                                  std::uint64_t type) {
     constexpr std::size_t kEntry = 12;
-    const std::uint32_t count = tiff.number(directory, 2);
+    const std::uint64_t count = tiff.number(directory, 2);
     std::size_t entry = directory + 2;
-    for (std::uint32_t i = 0; i < count && entry < tiff.bytes.size(); ++i, entry += kEntry) {
+    for (std::uint64_t i = 0; i < count && entry < tiff.bytes.size(); ++i, entry += kEntry) {
         if (tiff.number(entry, 2) != tag) continue;
         if (tiff.number(entry + 2, 2) != type || tiff.number(entry + 4, 4) != 1) return {};
         return tiff.number(entry + 8, type == kShort ? 2 : 4);
@@ -49,13 +44,15 @@ formats::Exif formats::read_exif(std::string_view segment) {
     Exif exif;
     if (!segment.starts_with(kMagic)) return exif;
     Tiff tiff{segment.substr(kMagic.size())};
-    tiff.little_endian = tiff.bytes.starts_with("II");
-    if (!tiff.little_endian && !tiff.bytes.starts_with("MM")) return exif;
+    if (tiff.bytes.starts_with("MM"))
+        tiff.order = std::endian::big;
+    else if (!tiff.bytes.starts_with("II"))
+        return exif;
     if (tiff.number(2, 2) != 42) return exif;
     const std::size_t first = tiff.number(4, 4);
-    const std::uint32_t orientation = find(tiff, first, 0x0112, kShort).value_or(0);
+    const std::uint64_t orientation = find(tiff, first, 0x0112, kShort).value_or(0);
     if (orientation <= 8) exif.orientation = static_cast<int>(orientation);
-    constexpr std::uint32_t kUncalibrated = 0xffff;
+    constexpr std::uint64_t kUncalibrated = 0xffff;
     if (const auto own = find(tiff, first, 0x8769, kLong))
         exif.is_uncalibrated = find(tiff, *own, 0xa001, kShort) == kUncalibrated;
     return exif;

@@ -1,8 +1,8 @@
 // The name of an ICC profile: its tag `desc`, a text in ASCII (version 2) or UTF-16 (version 4).
 // Nothing else of it is read.
 #include <algorithm>
-#include <cstdint>
 
+#include "core/bytes.h"
 #include "image/formats.h"
 
 namespace burnish {
@@ -11,12 +11,9 @@ namespace {
 
 constexpr std::size_t kHeader = 128, kTag = 12;
 
-/// An unsigned number of 32 bits; 0 beyond the end.
-std::uint32_t number(std::string_view bytes, std::size_t at) {
-    if (at > bytes.size() || bytes.size() - at < 4) return 0;
-    std::uint32_t value = 0;
-    for (const char c : bytes.substr(at, 4)) value = value << 8 | static_cast<unsigned char>(c);
-    return value;
+/// Of 32 bits.
+std::size_t number(std::string_view bytes, std::size_t at) {
+    return number_at(bytes, at, 4, std::endian::big);
 }
 
 std::string_view part(std::string_view bytes, std::size_t at, std::size_t size) {
@@ -52,7 +49,7 @@ std::string text_of(std::string_view tag) {
 
 std::string formats::profile_name(std::string_view icc) {
     constexpr std::size_t kMostShown = 80;
-    const std::uint32_t count = number(icc, kHeader);
+    const std::size_t count = number(icc, kHeader);
     for (std::size_t i = 0, at = kHeader + 4; i < count && at + kTag <= icc.size(); ++i, at += kTag)
         if (icc.substr(at, 4) == "desc")
             return text_of(part(icc, number(icc, at + 4), number(icc, at + 8)))

@@ -9,6 +9,7 @@
 #include <cstring>
 #include <optional>
 
+#include "core/bytes.h"
 #include "core/parsed.h"
 #include "image/formats.h"
 
@@ -40,12 +41,8 @@ T number(const std::string& name, std::string_view bytes, std::size_t& offset, c
     return *value;
 }
 
-float read_float(const char* bytes, bool little_endian) {
-    std::uint32_t bits = 0;
-    for (int i = 0; i < 4; ++i)
-        bits |= std::uint32_t{static_cast<unsigned char>(bytes[i])}
-                << (8 * (little_endian ? i : 3 - i));
-    return std::bit_cast<float>(bits);
+float float_at(std::string_view bytes, std::size_t at, std::endian order) {
+    return std::bit_cast<float>(static_cast<std::uint32_t>(number_at(bytes, at, 4, order)));
 }
 
 }  // namespace
@@ -70,12 +67,13 @@ ImageFile formats::decode_pfm(const std::string& name, std::string_view bytes) {
              "byte offset " + std::to_string(bytes.size()) +
                  ": the file ends too early, expected " + std::to_string(offset + expected) +
                  " bytes");
+    const std::endian order = scale < 0 ? std::endian::little : std::endian::big;
     ImageFile file{make_image(width, height, channels), PixelEncoding::kFloat, "PFM"};
     for (int y = 0; y < height; ++y)
         for (std::size_t i = 0; i < row; ++i) {
             const std::size_t source = static_cast<std::size_t>(height - 1 - y) * row + i;
             file.image.values[file.image.index(0, y) + i] =
-                read_float(bytes.data() + offset + 4 * source, scale < 0) * std::abs(scale);
+                float_at(bytes, offset + 4 * source, order) * std::abs(scale);
         }
     return file;
 }

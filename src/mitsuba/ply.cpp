@@ -14,6 +14,7 @@
 #include <utility>
 
 #include "burnish/error.h"
+#include "core/bytes.h"
 #include "core/parsed.h"
 #include "image/files.h"
 #include "mitsuba/mesh.h"
@@ -67,14 +68,10 @@ std::uint64_t read_bits(PlyReader& reader, std::size_t size) {
     reader.begin = reader.offset;
     if (reader.bytes.size() - reader.offset < size)
         reader.fail(fmt::format("the file ends too early, expected {} more bytes", size));
-    std::uint64_t bits = 0;
-    for (std::size_t i = 0; i < size; ++i) {
-        const std::size_t place = reader.format == PlyFormat::kLittleEndian ? i : size - 1 - i;
-        bits |= std::uint64_t{static_cast<unsigned char>(reader.bytes[reader.offset + i])}
-                << (8 * place);
-    }
+    const bool is_little = reader.format == PlyFormat::kLittleEndian;
     reader.offset += size;
-    return bits;
+    return number_at(reader.bytes, reader.begin, size,
+                     is_little ? std::endian::little : std::endian::big);
 }
 
 double read_scalar(PlyReader& reader, PlyType type) {
