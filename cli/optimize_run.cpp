@@ -272,7 +272,8 @@ void run_to_the_end(const Task& task, OutputFolder& output, std::optional<Checkp
     if (again && agree(run.ranks, !interrupted()))
         solve_second(make_problem(renderer, run), output, phases, run);
     else if (again)
-        log_warning("the second run was not begun: " + resume_hint(output));
+        log_warning("the second run was not begun" +
+                    (keeps_run(output) ? ": " + resume_hint(output) : ""));
     if (!is_first(run.ranks)) return;
     write_results(renderer, run, output);
     log_info(fmt::format("the report is {}", (output.folder / "report.html").string()));

@@ -119,8 +119,9 @@ void RunCheckpoints::add(const Iteration& iteration) {
 }
 
 void RunCheckpoints::tell(const CheckpointNote& note) {
-    if (!note.error.empty() && error_.empty())
-        log_warning(fmt::format("{}; the run goes on without this checkpoint", note.error));
+    if (!note.error.empty() && (error_.empty() || note.is_last))
+        log_warning(fmt::format("{}; the run {} without this checkpoint", note.error,
+                                note.is_last ? "ends" : "goes on"));
     error_ = note.error;
     if (!note.error.empty()) return;
     take_checkpoints(output_, note.file);

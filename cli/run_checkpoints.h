@@ -46,7 +46,8 @@ class RunCheckpoints {
     /// Before the first iteration of this process. earlier: those of processes before.
     void begin(const std::vector<Iteration>& earlier);
     void add(const Iteration& iteration);
-    /// Throws Suspended where everything lies on the disk, otherwise OutputError.
+    /// Throws Suspended where everything lies on the disk, otherwise OutputError: there is nothing
+    /// to keep.
     [[noreturn]] void suspend() const;
 
   private:

@@ -35,7 +35,6 @@ SolveProgress::SolveProgress(const Options& options, std::uint32_t done)
 Callback SolveProgress::callback() {
     return [this](const Iteration& i) {
         show_iteration(i);
-        if (interrupted_by_system()) return Suspend;
         return interrupted() ? Cancel : Continue;
     };
 }

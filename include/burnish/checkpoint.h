@@ -49,7 +49,8 @@ struct Checkpoints {
     /// Asked from time to time within an iteration, by any thread, and before the evaluation: where
     /// it says so the iteration ends unfinished, as if it had not begun, the run is written, and
     /// solve() returns with Ending::kSuspended. Of several processes each asks its own, and where
-    /// one stops all do.
+    /// one stops all do. A run that cannot be written, and has an iteration, is evaluated instead:
+    /// Ending::kCancelled, or what ended it before.
     std::function<bool()> stop = {};
 };
 

@@ -312,8 +312,8 @@ bool CheckpointWriter::is_due(const State::Values& state) const {
     return since_.total() >= kRest * takes;
 }
 
-void CheckpointWriter::offer(const Summary& run, const State::Values& state, bool is_last) {
-    if (!agree(ranks_, is_last || is_due(state))) return;
+bool CheckpointWriter::offer(const Summary& run, const State::Values& state, bool is_last) {
+    if (!agree(ranks_, is_last || is_due(state))) return state.iteration == written_;
     const fs::path file = fs::path(options_.folder) / file_name(state.iteration);
     CheckpointNote note{file.string(), state.iteration, is_last, {}};
     const WholeState whole{state, ranks_};
@@ -329,6 +329,7 @@ void CheckpointWriter::offer(const Summary& run, const State::Values& state, boo
     }
     since_ = Stopwatch();
     if (options_.note && is_first(ranks_)) options_.note(note);
+    return state.iteration == written_;
 }
 
 }  // namespace burnish

@@ -29,8 +29,9 @@ class CheckpointWriter {
     CheckpointWriter(const Checkpoints& options, std::vector<Input> problem, const Ranks& ranks,
                      std::uint32_t first);
 
-    /// After an iteration. run: its state is `state`. is_last: no iteration follows.
-    void offer(const Summary& run, const State::Values& state, bool is_last);
+    /// After an iteration. run: its state is `state`. is_last: no iteration follows. Returns
+    /// whether the state lies on the disk, the same to all processes.
+    bool offer(const Summary& run, const State::Values& state, bool is_last);
     const StopQuestion& stop() const { return options_.stop; }
 
   private:

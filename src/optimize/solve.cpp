@@ -186,15 +186,16 @@ void keep_what_is_done(Solver::Impl& run, const Summary& summary, CheckpointWrit
     checkpoints.offer(summary, run.state, true);
 }
 
-/// summary: what an earlier process has found, or empty. checkpoints may be null.
-Ending iterate_until_end(const Callback& callback, Solver& solver, Summary& summary,
-                         CheckpointWriter* checkpoints) {
+/// summary: what an earlier process has found, or empty. checkpoints may be null. None: they were
+/// asked to stop within an iteration.
+std::optional<Ending> iterate_until_end(const Callback& callback, Solver& solver, Summary& summary,
+                                        CheckpointWriter* checkpoints) {
     Solver::Impl& run = solver.impl();
     const Stopwatch watch;
     const double earlier = summary.seconds;
     while (true) {
         if (const auto ending = ending_of(run, summary.counts.iterations, summary.seconds))
-            return *ending;
+            return ending;
         Iteration i;
         try {
             i = iterate_once(run, watch, earlier,
@@ -202,10 +203,10 @@ Ending iterate_until_end(const Callback& callback, Solver& solver, Summary& summ
             add_iteration(i, summary);
             summary.seconds = i.seconds;
         } catch (const StoppedElsewhere&) {
-            return Ending::kSuspended;
+            return {};
         } catch (const Stopped&) {
             tell_stopped(run.setup.problem.ranks);
-            return Ending::kSuspended;
+            return {};
         } catch (const std::bad_alloc&) {
             if (checkpoints) keep_what_is_done(run, summary, *checkpoints);
             throw;
@@ -240,18 +241,23 @@ bool is_stopped(const Ranks& ranks, const StopQuestion& stop) {
     return std::find(asked.begin(), asked.end(), 1) != asked.end();
 }
 
+/// What ends the run, once its last checkpoint is written; where that fails, results are all that
+/// is left of one that was stopped. ended: of iterate_until_end. checkpoints may be null.
+Ending end_with_checkpoint(const Solver::Impl& run, const Summary& summary,
+                           std::optional<Ending> ended, CheckpointWriter* checkpoints) {
+    const bool is_kept = checkpoints && checkpoints->offer(summary, run.state, true);
+    if (is_kept && (!ended || is_stopped(run.setup.problem.ranks, checkpoints->stop())))
+        return Ending::kSuspended;
+    return ended.value_or(summary.counts.iterations > 0 ? Ending::kCancelled : Ending::kSuspended);
+}
+
 /// given: where the run starts, if not at the start of its unknowns.
 Summary solve_from(Solver solver, Summary summary, const Callback& callback,
                    const StageProgress& progress, CheckpointWriter* checkpoints = nullptr,
                    std::optional<Theta> given = {}) {
     Solver::Impl& run = solver.impl();
-    summary.ending = iterate_until_end(callback, solver, summary, checkpoints);
-    if (checkpoints) {
-        checkpoints->offer(summary, run.state, true);
-        if (summary.ending != Ending::kSuspended &&
-            is_stopped(run.setup.problem.ranks, checkpoints->stop()))
-            summary.ending = Ending::kSuspended;
-    }
+    const std::optional<Ending> ended = iterate_until_end(callback, solver, summary, checkpoints);
+    summary.ending = end_with_checkpoint(run, summary, ended, checkpoints);
     run.workspace = {};  // the textures and the evaluation take its place
     gather_parts(run.setup.problem.ranks, run.state.pyramids);
     summary.textures = recovered_textures(run.setup, run.state);

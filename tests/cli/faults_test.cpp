@@ -45,6 +45,28 @@ TEST_F(Faults, ALimitOfFileSizesIsSaidBeforeTheRun) {
     EXPECT_FALSE(fs::exists(folder / "out"));
 }
 
+/// Any checkpoint of this run is larger than the limit, any result smaller.
+TEST_F(Faults, WhereNoCheckpointHasRoomTheSystemsSignalsKeepTheResults) {
+    for (const int signal : {SIGTERM, SIGHUP}) {
+        const pid_t pid = start_shell(
+            "sh -c \"ulimit -f 280; exec '" BURNISH_BINARY
+            "' optimize scene.xml --parameter base_color --init 0.5 --spp 2 --size 64 64 "
+            "--target-spp 4 --evaluation-spp 4 --time 3600 --compare mc -o out\"");
+        EXPECT_TRUE(wait_for([&] { return iterations_told("out") > 0; }));
+        kill(pid, signal);
+        const int status = end_of(pid);
+        const std::string text = read_text(folder / ".err");
+        ASSERT_TRUE(WIFEXITED(status) && WEXITSTATUS(status) == 0) << text;
+        EXPECT_TRUE(contains(text, "File too large; the run ends without this checkpoint")) << text;
+        EXPECT_TRUE(contains(text, "the second run was not begun\n")) << text;
+        EXPECT_FALSE(contains(text, "--resume")) << text;
+        EXPECT_EQ(summary_of("out")["result"]["ended_by"], "signal");
+        EXPECT_TRUE(fs::exists(folder / "out/textures/mat-panel.brdf_0.base_color.data.exr"));
+        EXPECT_FALSE(fs::exists(folder / "out/checkpoints"));
+        fs::remove_all(folder / "out");
+    }
+}
+
 TEST_F(Faults, AFolderThatCannotBeMadeIsSaid) {
     for (const char* out : {"/proc/burnish", "/dev/null/out"}) {
         expect_refused(std::string(kShortRun) + "-o " + out, 73, "cannot be made");

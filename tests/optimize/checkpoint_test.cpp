@@ -549,5 +549,36 @@ TEST_F(CheckpointTest, OnesThatCannotBeWrittenAreHeardOf) {
     EXPECT_NE(error.find("cannot be written"), std::string::npos) << error;
 }
 
+/// There is nothing else left of it: once there is an iteration, it is evaluated.
+TEST_F(CheckpointTest, AStoppedRunThatCannotBeWrittenHasResults) {
+    Options options;
+    options.stop.iterations = 5, options.evaluation_samples = 2;
+    std::ofstream(checkpoints.folder) << "in the way";
+    const auto ends_after = [&](std::uint32_t iterations, Control control, bool stops) {
+        Summary summary;
+        test::on_ranks(2, [&](const Ranks& ranks) {
+            std::atomic<bool> asked = iterations == 0;
+            Checkpoints own = checkpoints;
+            own.note = [](const CheckpointNote& note) { EXPECT_NE(note.error, ""); };
+            if (stops) own.stop = [&] { return asked.load(); };
+            const auto count = [&](const Iteration& i) {
+                asked = i.number + 1 == iterations;
+                return asked ? control : Continue;
+            };
+            Summary found = solve(test::of_rank(test::state_problem(), ranks), options, own, count);
+            EXPECT_EQ(found.counts.iterations, iterations);
+            if (ranks.rank == 0) summary = std::move(found);
+        });
+        EXPECT_EQ(summary.result.views.empty(), summary.ending == Ending::kSuspended);
+        return summary.ending;
+    };
+    EXPECT_EQ(ends_after(2, Continue, true), Ending::kCancelled);
+    EXPECT_EQ(ends_after(2, Cancel, true), Ending::kCancelled);
+    EXPECT_EQ(ends_after(2, Suspend, true), Ending::kSuspended) << "as the callback asks";
+    EXPECT_EQ(ends_after(2, Suspend, false), Ending::kSuspended);
+    EXPECT_EQ(ends_after(5, Continue, true), Ending::kIterations);
+    EXPECT_EQ(ends_after(0, Continue, true), Ending::kSuspended) << "there is nothing to evaluate";
+}
+
 }  // namespace
 }  // namespace burnish
