@@ -7,7 +7,6 @@
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
-#include <sstream>
 
 #include "burnish/error.h"
 #include "captures/json_value.h"
@@ -83,18 +82,29 @@ std::string ascii(const std::string& text) {
     return result;
 }
 
+/// Of a file or a pipe, which may have no end.
+std::string text_of_file(const std::string& file) {
+    constexpr std::size_t kMaxSize = std::size_t{64} << 20;  // bytes; of a summary.json, too
+    std::ifstream stream(file);
+    std::string text, part(std::size_t{1} << 16, '\0');
+    while (stream && text.size() <= kMaxSize) {
+        stream.read(part.data(), static_cast<std::streamsize>(part.size()));
+        text.append(part, 0, static_cast<std::size_t>(stream.gcount()));
+    }
+    if (!stream && !stream.eof())
+        throw InputError(
+            fmt::format("{}: the file cannot be read: {}", file, std::strerror(errno)));
+    if (text.size() > kMaxSize)
+        throw InputError(file + ": found more than 64 MiB, expected names of options");
+    return text;
+}
+
 }  // namespace
 
 std::vector<Given> read_options_file(const std::string& file) {
     if (std::filesystem::is_directory(status_of(file)))
         throw InputError(file + ": found a folder, expected a file with names of options");
-    std::ifstream stream(file);
-    if (!stream)
-        throw InputError(
-            fmt::format("{}: the file cannot be read: {}", file, std::strerror(errno)));
-    std::ostringstream text;
-    text << stream.rdbuf();
-    return read_options_text(text.str(), file);
+    return read_options_text(text_of_file(file), file);
 }
 
 std::vector<Given> read_options_text(const std::string& text, const std::string& name) {

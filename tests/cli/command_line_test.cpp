@@ -853,6 +853,8 @@ TEST_F(CommandLine, BadInvocationsSayWhatIsWrong) {
          "missing.json: the file cannot be read"},
         {"optimize scene.xml --parameter base_color --options . -o out", 65,
          ".: found a folder, expected a file with names of options"},
+        {"optimize scene.xml --parameter base_color --options /dev/zero -o out", 65,
+         "/dev/zero: found more than 64 MiB, expected names of options"},
         {"optimize scene.xml --parameter base_color --estimator mc --set reservoirs.shift=replay "
          "-o out",
          2, "--set reservoirs.shift has no effect: it needs an estimator that reuses reservoirs"},
