@@ -134,18 +134,21 @@ void take_thin_lens(Properties& properties, PerspectiveCamera& camera) {
 
 /// A scale moves the near plane, as in Mitsuba. The planes stay as far apart as they are given.
 void take_clipping_planes(Properties& properties, double scale, PerspectiveCamera& camera) {
-    const double near = take_float(properties, "near_clip", camera.near_clip);
-    const double far = take_float(properties, "far_clip", camera.far_clip);
-    camera.near_clip = static_cast<float>(scale * near);
-    camera.far_clip = static_cast<float>(scale * near + (far - near));
+    const float near = take_float(properties, "near_clip", camera.near_clip);
+    const float far = take_float(properties, "far_clip", camera.far_clip);
+    const double moved = scale * near;
+    camera.near_clip = static_cast<float>(moved);
+    camera.far_clip = static_cast<float>(moved + (double{far} - near));
+    const std::string scaled = scale == 1 ? "" : fmt::format(" at a scale of {:g}", scale);
     if (!(camera.near_clip > 0 && camera.near_clip < camera.far_clip))
         fail(properties.node->place,
-             fmt::format("the clipping planes are {} and {}, expected 0 < near_clip < far_clip",
-                         camera.near_clip, camera.far_clip));
+             fmt::format("the clipping planes are {} and {}{}, expected 0 < near_clip < far_clip",
+                         near, far, scaled));
     if (!(camera.near_clip <= kMaxCameraDistance))
-        fail(properties.node->place,
-             fmt::format("the near clipping plane is at {}, expected it within {:g} of the camera",
-                         camera.near_clip, kMaxCameraDistance));
+        fail(
+            properties.node->place,
+            fmt::format("the near clipping plane is at {}{}, expected it within {:g} of the camera",
+                        near, scaled, kMaxCameraDistance));
 }
 
 /// How far aside of its axis a camera's rays are where it looks 1 far, where they begin and where a

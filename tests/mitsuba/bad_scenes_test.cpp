@@ -217,6 +217,14 @@ const BadScene kBadScenes[] = {
      "translation"},
     {"ClippingPlanes", "<sensor type='perspective'><float name='near_clip' value='0'/></sensor>",
      "2:1: the clipping planes are 0 and 10000, expected 0 < near_clip < far_clip"},
+    {"ExchangedClippingPlanes",
+     "<sensor type='perspective'><float name='near_clip' value='1e11'/></sensor>",
+     "2:1: the clipping planes are 100000000000 and 10000, expected 0 < near_clip < far_clip"},
+    {"ScaledClippingPlanes",
+     "<sensor type='orthographic'><float name='near_clip' value='1'/>\n<transform "
+     "name='to_world'><scale value='1e12'/></transform></sensor>",
+     "2:1: the clipping planes are 1 and 10000 at a scale of 1e+12, expected 0 < near_clip < "
+     "far_clip"},
     {"FarNearPlane",
      "<sensor type='perspective'><float name='near_clip' value='1e30'/><float name='far_clip' "
      "value='1e31'/></sensor>",
