@@ -202,7 +202,7 @@ void bind_camera(nb::module_& m) {
             [](const Camera& c, double factor) {
                 if (!(factor > 0 && factor <= 1))
                     throw InputError(
-                        fmt::format("the factor is {:f}, expected one above 0, at most 1", factor));
+                        fmt::format("the factor is {}, expected one above 0, at most 1", factor));
                 return scaled(c, factor);
             },
             nb::arg("factor"), "The camera of a picture at a fraction of its size.")

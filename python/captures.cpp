@@ -47,7 +47,7 @@ std::vector<View> with_pictures(const std::vector<CapturedView>& captured, doubl
                                 const Flag& is_abandoned) {
     if (!(scale > 0 && scale <= 1))
         throw InputError(
-            fmt::format("scale: found {:f}, expected a number above 0, at most 1", scale));
+            fmt::format("scale: found {}, expected a number above 0, at most 1", scale));
     std::vector<View> views;
     for (const CapturedView& c : captured) {
         check_abandoned(is_abandoned);

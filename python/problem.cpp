@@ -201,7 +201,7 @@ void bind_unknown(nb::module_& m) {
                std::optional<double> learning_rate) {
                 if (learning_rate && !(*learning_rate > 0))
                     throw InputError(
-                        fmt::format("the learning rate of {} is {:f}, expected one above 0", name,
+                        fmt::format("the learning rate of {} is {:g}, expected one above 0", name,
                                     *learning_rate));
                 new (self) Unknown{name, to_start(name, start), learning_rate.value_or(0)};
             },

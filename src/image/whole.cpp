@@ -34,7 +34,7 @@ void require_weights(const Image& mask, const std::string& what) {
     if (mask.values.empty()) return;
     const float least = *std::ranges::min_element(mask.values);
     require(least >= 0,
-            fmt::format("{} holds {:f}, expected weights that are not negative", what, least));
+            fmt::format("{} holds {:g}, expected weights that are not negative", what, least));
 }
 
 }  // namespace burnish

@@ -1,5 +1,7 @@
 #include "render/view.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -110,10 +112,11 @@ double reach_aside(const Camera& camera) {
 
 void check_pixels(const Camera& camera) {
     require_sides("the camera", camera.width, camera.height);
-    require(camera.focal_x > 0 && camera.focal_y > 0 && std::isfinite(camera.focal_x) &&
-                std::isfinite(camera.focal_y),
-            "the camera's focal lengths are " + std::to_string(camera.focal_x) + " and " +
-                std::to_string(camera.focal_y) + " pixels: expected both above 0");
+    require(
+        camera.focal_x > 0 && camera.focal_y > 0 && std::isfinite(camera.focal_x) &&
+            std::isfinite(camera.focal_y),
+        fmt::format("the camera's focal lengths are {:g} and {:g} pixels: expected both above 0",
+                    camera.focal_x, camera.focal_y));
     require(std::isfinite(camera.center_x) && std::isfinite(camera.center_y),
             "the camera's principal point is not finite");
     constexpr double kMostAside = 1e5;  // with a near plane at 1e12, rays begin within kMaxRayReach
@@ -205,8 +208,8 @@ EnvironmentEmitter changed(const Environment& environment, const EnvironmentEmit
     }
     if (environment.scale) {
         require(*environment.scale >= 0 && *environment.scale <= std::numeric_limits<float>::max(),
-                "the environment's scale is " + std::to_string(*environment.scale) +
-                    ": expected a number from 0 to 3.4e38");
+                fmt::format("the environment's scale is {:g}: expected a number from 0 to 3.4e38",
+                            *environment.scale));
         emitter.scale = static_cast<float>(*environment.scale);
     }
     if (environment.to_world) {

@@ -490,12 +490,14 @@ TEST(Views, AnEnvironmentReplacesTheScenes) {
                   std::string::npos)
             << words;
     }
-    for (const double wrong : {-1.0, 1e39, std::nan("")})
+    for (const auto& [wrong, words] : {std::pair{-1e-9, "the environment's scale is -1e-09:"},
+                                       std::pair{1e39, "the environment's scale is 1e+39:"},
+                                       std::pair{std::nan(""), "the environment's scale is nan:"}})
         EXPECT_NE(test::error_of([&] {
                       of_mapped.with_lighting({{}, Environment{{}, wrong, {}}});
-                  }).find("the environment's scale is"),
+                  }).find(words),
                   std::string::npos)
-            << wrong;
+            << words;
 }
 
 TEST(Views, HaveNumbersOfTheirOwn) {
@@ -526,10 +528,10 @@ TEST(Views, ThatDoNotFitAreNamed) {
     });
     refused("above: camera_to_world",
             [](Problem& p) { std::get<Camera>(p.views[2].camera).camera_to_world[0] = 2; });
-    refused("above: the camera's focal lengths",
-            [](Problem& p) { std::get<Camera>(p.views[2].camera).focal_x = -1; });
-    refused("above: the mask holds -1", [](Problem& p) {
-        p.views[2].mask = make_image(20, 14, 1, 1), p.views[2].mask.values[5] = -1;
+    refused("above: the camera's focal lengths are -1e-09 and 24 pixels",
+            [](Problem& p) { std::get<Camera>(p.views[2].camera).focal_x = -1e-9; });
+    refused("above: the mask holds -1e-09", [](Problem& p) {
+        p.views[2].mask = make_image(20, 14, 1, 1), p.views[2].mask.values[5] = -1e-9f;
     });
     refused("no pixel counts", [](Problem& p) {
         for (View& v : p.views) v.mask = make_image(v.image.width, v.image.height, 1, 0);
