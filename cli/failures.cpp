@@ -14,6 +14,12 @@ namespace burnish {
 
 namespace {
 
+/// "out/a.exr: No space left on device"; without a file the reason alone.
+std::string file_and_reason(const std::filesystem::filesystem_error& error) {
+    const std::string file = error.path1().string(), reason = error.code().message();
+    return file.empty() ? reason : file + ": " + reason;
+}
+
 /// Whether no thread could be begun: std::thread says so by a code, oneTBB in words.
 bool is_of_thread(const std::exception& error) {
     if (const auto* of_system = dynamic_cast<const std::system_error*>(&error))
@@ -47,7 +53,7 @@ Failure current_failure() {
             "there is not enough memory for this scene and these sizes: a smaller --size or fewer "
             "samples per pixel of the derivative take less"};
     } catch (const std::filesystem::filesystem_error& error) {
-        return {kCannotWrite, one_line(error.what())};
+        return {kCannotWrite, one_line(file_and_reason(error))};
     } catch (const std::exception& error) {
         if (is_of_thread(error))
             return {kRefused, one_line(std::string("the system refuses a thread: ") + error.what() +

@@ -52,10 +52,22 @@ TEST(Failures, AThreadThatIsRefusedIsALimit) {
         EXPECT_TRUE(failure.text.starts_with("the system refuses a thread: ")) << failure.text;
     }
     EXPECT_EQ(failure_of(std::system_error(EDEADLK, std::generic_category())).code, kDefect);
-    EXPECT_EQ(
-        failure_of(fs::filesystem_error("x", std::error_code(EAGAIN, std::generic_category())))
-            .code,
-        kCannotWrite);
+}
+
+/// Not what the standard library calls it.
+TEST(Failures, OfFilesHaveTheFileAndTheReason) {
+    const std::error_code full(ENOSPC, std::generic_category());
+    for (const auto& [error, text] :
+         {std::pair(fs::filesystem_error("cannot copy", full), "No space left on device"),
+          std::pair(fs::filesystem_error("cannot copy", "a", full), "a: No space left on device"),
+          std::pair(fs::filesystem_error("cannot copy", "a", "b", full),
+                    "a: No space left on device")}) {
+        const Failure failure = failure_of(error);
+        EXPECT_EQ(failure.code, kCannotWrite);
+        EXPECT_EQ(failure.text, text);
+    }
+    const std::error_code again(EAGAIN, std::generic_category());
+    EXPECT_EQ(failure_of(fs::filesystem_error("x", again)).code, kCannotWrite) << "of no thread";
 }
 
 #ifdef BURNISH_FAULT_SHIM
