@@ -2,7 +2,6 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
-#include <sys/file.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -16,6 +15,7 @@
 #include "burnish/error.h"
 #include "cli/console.h"
 #include "cli/folder_content.h"
+#include "cli/folder_lock.h"
 #include "cli/history.h"
 #include "cli/interrupt.h"
 #include "cli/texture_files.h"
@@ -28,7 +28,6 @@ namespace fs = std::filesystem;
 
 namespace {
 
-constexpr const char* kLock = "lock";        // in the folder of what is unfinished
 constexpr const char* kScene = "scene.xml";  // of `burnish new` and `burnish scene`
 /// Those that results lie in.
 constexpr const char* kFolders[] = {kCheckpoints, "textures", "views", "scene"};
@@ -76,26 +75,6 @@ void refuse_content(const OutputFolder& output, Found found) {
         fail(folder,
              "the folder is not empty and holds no earlier run: expected a new or empty one, or "
              "--force");
-}
-
-/// Another run holds the lock for as long as it lives, however it ends. Where the file system has
-/// no locks the file is open without one. Who may go on with a run that was killed is left to the
-/// umask, as with all other files.
-int take_lock(const fs::path& file, const fs::path& folder) {
-    const int lock = open(file.c_str(), O_RDWR | O_CREAT | O_NOFOLLOW | O_CLOEXEC, 0666);
-    if (lock < 0) fail(file, fmt::format("cannot be written: {}", std::strerror(errno)));
-    if (flock(lock, LOCK_EX | LOCK_NB) == 0) return lock;
-    const int error = errno;
-    if (error == ENOSYS || error == ENOLCK || error == EOPNOTSUPP) {
-        log_warning(
-            fmt::format("{}: its file system has no locks ({}): nothing keeps another run "
-                        "out of this folder",
-                        folder.string(), std::strerror(error)));
-        return lock;
-    }
-    close(lock);
-    if (error == EWOULDBLOCK) fail(folder, "another run is writing into this folder");
-    fail(folder, fmt::format("the folder cannot be locked: {}", std::strerror(error)));
 }
 
 /// What a run that was killed left behind goes.
@@ -234,7 +213,7 @@ OutputFolder open_output_folder(const fs::path& folder, Found found) {
     int lock = -1;  // held while the run lives
     try {
         make_folders(output);
-        lock = take_lock(output.unfinished / kLock, folder);
+        lock = take_lock(folder);
         find_content(output, found);
         output.clean_up = CleanUp([folder, made, lock] { discard(folder, made, lock); });
     } catch (...) {

@@ -10,6 +10,7 @@
 #include "cli/console.h"
 #include "cli/earlier_run.h"
 #include "cli/folder_content.h"
+#include "cli/folder_lock.h"
 #include "cli/history.h"
 #include "cli/interrupt.h"
 #include "cli/options_file.h"
@@ -63,10 +64,11 @@ void require_files(const Checkpoint& checkpoint) {
 }  // namespace
 
 void require_checkpoint(const std::string& folder) {
-    if (checkpoints_in(fs::path(folder) / kCheckpoints).empty())
-        throw InputError(
-            fmt::format("{}: {}, expected the folder of a run that was stopped", folder,
-                        holds_ended_run(folder) ? "its run is done" : "found no checkpoint"));
+    if (!checkpoints_in(fs::path(folder) / kCheckpoints).empty()) return;
+    if (is_locked(folder)) throw OutputError(fmt::format("{}: {}", folder, kInUse));
+    throw InputError(
+        fmt::format("{}: {}, expected the folder of a run that was stopped", folder,
+                    holds_ended_run(folder) ? "its run is done" : "found no checkpoint"));
 }
 
 Checkpoint load_run(const OutputFolder& output, const Ranks& ranks) {

@@ -21,7 +21,8 @@ struct Suspended : std::runtime_error {
 /// How a run goes on that has a checkpoint.
 std::string resume_hint(const OutputFolder& output);
 
-/// Throws InputError where a folder, which need not be there, holds no checkpoint of a first run.
+/// Throws where a folder, which need not be there, holds no checkpoint of a first run: InputError;
+/// OutputError where a run is at work in it that has none yet.
 void require_checkpoint(const std::string& folder);
 
 /// The newest checkpoint of the first run in a folder; says what is wrong with newer ones. Throws

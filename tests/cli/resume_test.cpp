@@ -7,6 +7,7 @@
 #include <thread>
 
 #include "burnish/checkpoint.h"
+#include "cli/output_folder.h"
 #include "cli/program.h"
 #include "optimize/same_run.h"
 #include "optimize/state_cases.h"
@@ -333,6 +334,17 @@ TEST_F(Resume, TwoRunsDoNotShareAFolder) {
     kill(pid, SIGTERM);
     EXPECT_EQ(WEXITSTATUS(end_of(pid)), 75);
     EXPECT_GT(iterations_of("out"), 0);
+}
+
+TEST_F(Resume, ARunThatHasNoCheckpointYetIsSaidToGoOn) {
+    {
+        const OutputFolder output = open_output_folder(folder / "out", Found::kRefused);
+        expect_refused("optimize --resume out", 73, "out: another run is writing into this folder");
+        EXPECT_TRUE(fs::exists(lock_of("out")));
+    }
+    fs::create_directories(lock_of("out").parent_path());
+    write_text(lock_of("out"), "");  // of one that was killed
+    expect_refused("optimize --resume out", 65, "out: found no checkpoint");
 }
 
 TEST_F(Resume, ALinkInTheFolderIsRefused) {

@@ -1,0 +1,58 @@
+#include "cli/folder_lock.h"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <sys/file.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstring>
+#include <string>
+
+#include "burnish/error.h"
+#include "cli/console.h"
+#include "cli/folder_content.h"
+
+namespace burnish {
+
+namespace {
+
+std::filesystem::path lock_of(const std::filesystem::path& folder) {
+    return folder / kUnfinished / kLock;
+}
+
+}  // namespace
+
+/// Who may go on with a run that was killed is left to the umask, as with all other files.
+int take_lock(const std::filesystem::path& folder) {
+    const std::filesystem::path file = lock_of(folder);
+    const int lock = open(file.c_str(), O_RDWR | O_CREAT | O_NOFOLLOW | O_CLOEXEC, 0666);
+    if (lock < 0)
+        throw OutputError(
+            fmt::format("{}: cannot be written: {}", file.string(), std::strerror(errno)));
+    if (flock(lock, LOCK_EX | LOCK_NB) == 0) return lock;
+    const int error = errno;
+    if (error == ENOSYS || error == ENOLCK || error == EOPNOTSUPP) {
+        log_warning(
+            fmt::format("{}: its file system has no locks ({}): nothing keeps another run "
+                        "out of this folder",
+                        folder.string(), std::strerror(error)));
+        return lock;
+    }
+    close(lock);
+    if (error == EWOULDBLOCK) throw OutputError(folder.string() + ": " + kInUse);
+    throw OutputError(
+        fmt::format("{}: the folder cannot be locked: {}", folder.string(), std::strerror(error)));
+}
+
+bool is_locked(const std::filesystem::path& folder) {
+    // It may be a pipe, for whose other end nobody waits.
+    const int lock = open(lock_of(folder).c_str(), O_RDONLY | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC);
+    if (lock < 0) return false;
+    // Shared: of two that ask at the same time none sees the other.
+    const bool is_held = flock(lock, LOCK_SH | LOCK_NB) != 0 && errno == EWOULDBLOCK;
+    close(lock);
+    return is_held;
+}
+
+}  // namespace burnish
