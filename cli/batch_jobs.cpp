@@ -22,8 +22,6 @@ namespace burnish {
 
 namespace {
 
-std::string place_of(const Value& v) { return v.file + ": " + v.key; }
-
 bool is_output(const Given& g) { return g.names.front() == "run.output"; }
 
 /// As of an options file.

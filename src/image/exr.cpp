@@ -237,6 +237,7 @@ void limit_sizes() {
 ImageFile formats::read_exr(const std::filesystem::path& file, ExrColors colors) {
     const std::string name = file.string();
     limit_sizes();
+    require_exr_header(file);
     bool is_known = false;  // what the header says
     try {
         Imf::InputFile input(name.c_str());

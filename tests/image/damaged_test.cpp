@@ -163,6 +163,36 @@ TEST_F(DamagedImages, WhatIsNotKnownIsNotCalledDamaged) {
     expect("EXR", exr, "found what is damaged or not known (");
 }
 
+/// The library would make room for as much.
+TEST_F(DamagedImages, HeadersThatClaimMoreThanAFileHoldsAreRefused) {
+    const auto put = [](std::string& bytes, std::size_t at, std::uint32_t number) {
+        std::memcpy(&bytes[at], &number, sizeof number);
+    };
+    const auto behind = [](const std::string& bytes, const std::string& attribute) {
+        return bytes.find(attribute) + attribute.size();
+    };
+    using namespace std::string_literals;
+    const std::string tiled = read_bytes(BURNISH_TEST_DATA "/../fuzz/corpus/exr/tiled.exr");
+    ASSERT_EQ(error_of(tiled), "");
+    std::string claims = tiled;
+    const std::size_t type = behind(claims, "type\0string\0"s);
+    put(claims, type, 0x70000000);
+    EXPECT_NE(error_of(claims).find(fmt::format(
+                  "byte offset {}: found an attribute of 1879048192 bytes, expected at most {}",
+                  type, claims.size() - type - 4)),
+              std::string::npos)
+        << error_of(claims);
+    claims = tiled;
+    const std::size_t window = behind(claims, "dataWindow\0box2i\0"s) + 4,
+                      tiles = behind(claims, "tiles\0tiledesc\0"s) + 4;
+    put(claims, window + 8, 32767), put(claims, window + 12, 32767);
+    put(claims, tiles, 1), put(claims, tiles + 4, 1);
+    EXPECT_NE(error_of(claims).find(fmt::format(
+                  "found 1073741824 chunks in its header, expected at most {}", claims.size() / 8)),
+              std::string::npos)
+        << error_of(claims);
+}
+
 TEST_F(DamagedImages, OffsetsPointAtWhatWasFound) {
     const Image image = smooth_image(20, 14, 3);
     const auto expect = [&](const std::string& bytes, std::size_t at, const std::string& what) {
