@@ -24,10 +24,6 @@ void write_bowl(const std::filesystem::path& folder, const ProceduralOptions& op
 /// A decorated tree among hundreds of coloured bulbs; mat-tree's base_color.
 void write_tree(const std::filesystem::path& folder, const ProceduralOptions& options);
 
-inline Vec3f to_float(const Vec3<double>& v) {
-    return {static_cast<float>(v.x), static_cast<float>(v.y), static_cast<float>(v.z)};
-}
-
 struct PatchPoint {
     Vec3<double> position;
     Vec2<double> uv;

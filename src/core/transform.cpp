@@ -61,9 +61,8 @@ bool is_rigid(const Transform& a, double tolerance) {
 }
 
 Transform orthonormalised(const Transform& a) {
-    const auto column = [&](int i) { return Vec3<double>{a(0, i), a(1, i), a(2, i)}; };
-    const Vec3<double> z = normalize(column(2));
-    const Vec3<double> y = normalize(column(1) - z * dot(z, column(1)));
+    const Vec3<double> z = normalize(column_of(a, 2));
+    const Vec3<double> y = normalize(column_of(a, 1) - z * dot(z, column_of(a, 1)));
     const Vec3<double> right = cross(y, z), x = determinant3(a) < 0 ? -right : right;
     Transform result = a;
     for (int i = 0; i < 3; ++i) result(i, 0) = x[i], result(i, 1) = y[i], result(i, 2) = z[i];
@@ -110,8 +109,7 @@ Transform scaling(const Vec3<double>& s) {
     return r;
 }
 
-Transform rotation(const Vec3<double>& axis, double degrees) {
-    const Vec3<double> a = normalize(axis);
+Transform rodrigues(const Vec3<double>& a, double degrees) {
     const double angle = degrees * std::numbers::pi / 180, c = std::cos(angle), s = std::sin(angle),
                  k = 1 - c;
     Transform r;
@@ -122,6 +120,10 @@ Transform rotation(const Vec3<double>& axis, double degrees) {
     r(2, 0) = a.z * a.x * k - a.y * s, r(2, 1) = a.z * a.y * k + a.x * s,
          r(2, 2) = c + a.z * a.z * k;
     return r;
+}
+
+Transform rotation(const Vec3<double>& axis, double degrees) {
+    return rodrigues(normalize(axis), degrees);
 }
 
 Transform rotation(double w, double x, double y, double z) {

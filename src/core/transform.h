@@ -19,6 +19,8 @@ struct Transform {
     }
 };
 
+/// Its upper three numbers.
+inline Vec3<double> column_of(const Transform& a, int i) { return {a(0, i), a(1, i), a(2, i)}; }
 Transform operator*(const Transform& a, const Transform& b);
 /// Throws std::domain_error where the matrix has no inverse.
 Transform inverse(const Transform& a);
@@ -39,7 +41,10 @@ Vec3f transform_normal(const Transform& inverse_of_a, const Vec3f& n);
 
 Transform translation(const Vec3<double>& t);
 Transform scaling(const Vec3<double>& s);
-Transform rotation(const Vec3<double>& axis, double degrees);
+/// Rodrigues' formula, c I + (1 - c) a a^T + s [a]x: a rotation where the axis a is of unit length;
+/// with others it scales and shears.
+Transform rodrigues(const Vec3<double>& a, double degrees);
+Transform rotation(const Vec3<double>& axis, double degrees);  ///< of an axis of any length
 /// Of the unit quaternion w + x i + y j + z k.
 Transform rotation(double w, double x, double y, double z);
 /// Camera-style frame: +z from origin to target, x (left) = up x z, y = z x x. A degenerate up

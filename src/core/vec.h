@@ -31,6 +31,9 @@ using Vec3f = Vec3<float>;
 using Rgbf = Rgb<float>;
 
 inline Vec3<double> to_double(const Vec3f& v) { return {v.x, v.y, v.z}; }
+inline Vec3f to_float(const Vec3<double>& v) {
+    return {static_cast<float>(v.x), static_cast<float>(v.y), static_cast<float>(v.z)};
+}
 
 template <class T>
 Vec2<T> operator+(const Vec2<T>& a, const Vec2<T>& b) {

@@ -57,8 +57,7 @@ Rgbf read_srgb(Properties& properties) {
 Rgbf read_raw(Properties& properties) {
     const std::string& tag = take_required(properties, "value").node->tag;
     if (tag != "vector" && tag != "point") return gray(take_float(properties, "value", 0));
-    const Vec3<double> v = *take_point(properties, "value");
-    return {static_cast<float>(v.x), static_cast<float>(v.y), static_cast<float>(v.z)};
+    return to_float(*take_point(properties, "value"));
 }
 
 Rgbf read_daylight(Properties& properties) {
@@ -161,7 +160,7 @@ Rgbf read_color(const Property& property, SpectrumUse use) {
     const Vec3<double> c =
         v.size() == 3 ? Vec3<double>{v[0], v[1], v[2]} : Vec3<double>{v[0], v[0], v[0]};
     if (node.tag == "srgb") return {decode_srgb(c.x), decode_srgb(c.y), decode_srgb(c.z)};
-    return {static_cast<float>(c.x), static_cast<float>(c.y), static_cast<float>(c.z)};
+    return to_float(c);
 }
 
 Rgbf take_color(Properties& properties, const std::string& name, const Rgbf& fallback,

@@ -87,10 +87,6 @@ ConstantEmitter read_constant(Loader& loader, Properties& properties) {
     return {radiance};
 }
 
-Vec3f narrow(const Vec3<double>& v) {
-    return {static_cast<float>(v.x), static_cast<float>(v.y), static_cast<float>(v.z)};
-}
-
 PointEmitter read_point(Properties& properties) {
     const auto position = take_point(properties, "position");
     const auto to_world = take_transform(properties, "to_world");
@@ -98,7 +94,7 @@ PointEmitter read_point(Properties& properties) {
         fail(properties.node->place,
              "found both \"position\" and \"to_world\", expected at most one of them");
     PointEmitter emitter;
-    if (position) emitter.position = narrow(*position);
+    if (position) emitter.position = to_float(*position);
     if (to_world) emitter.position = transform_point(*to_world, {0, 0, 0});
     emitter.intensity = take_emission(properties, "intensity");
     return emitter;
@@ -148,13 +144,13 @@ DirectionalEmitter read_directional(Properties& properties) {
         fail(properties.node->place,
              "found both \"direction\" and \"to_world\", expected at most one of them");
     Vec3<double> way = direction.value_or(Vec3<double>{0, 0, 1});
-    if (to_world) way = {(*to_world)(0, 2), (*to_world)(1, 2), (*to_world)(2, 2)};
+    if (to_world) way = column_of(*to_world, 2);
     if (!(length(way) > 0))
         fail(properties.node->place,
              "the direction of the light is 0, expected one to shine along");
     // As in Mitsuba, where the length that to_world gives the direction counts as a cosine does.
     const auto scale = static_cast<float>(to_world ? length(way) : 1);
-    return {narrow(normalize(way)), take_emission(properties, "irradiance") * scale};
+    return {to_float(normalize(way)), take_emission(properties, "irradiance") * scale};
 }
 
 ProjectorEmitter read_projector(Loader& loader, Properties& properties) {

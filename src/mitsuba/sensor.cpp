@@ -70,7 +70,7 @@ namespace {
 
 /// Rigid, and within reach.
 Transform checked_camera_transform(const Properties& properties, const Transform& to_world) {
-    const Vec3<double> eye{to_world(0, 3), to_world(1, 3), to_world(2, 3)};
+    const Vec3<double> eye = column_of(to_world, 3);
     if (!(length(eye) <= kMaxCameraDistance))
         fail(
             properties.node->place,
@@ -96,7 +96,7 @@ double take_orthographic_transform(Properties& properties, PerspectiveCamera& ca
     std::array<double, 3> scale{};
     for (int j = 0; j < 3; ++j) {
         double& s = scale[static_cast<std::size_t>(j)];
-        s = length(Vec3<double>{to_world(0, j), to_world(1, j), to_world(2, j)});
+        s = length(column_of(to_world, j));
         for (int i = 0; i < 3 && s > 0; ++i) to_world(i, j) /= s;
     }
     if (!(scale[0] > 0 && scale[2] > 0 && std::abs(scale[1] / scale[0] - 1) < 1e-3) ||

@@ -140,12 +140,10 @@ Cylinder read_cylinder(Properties& properties) {
                  along(i, 2) = z[i] * height, along(i, 3) = p0[i];
     Cylinder cylinder;
     cylinder.to_world = take_to_world(properties) * along;
-    const auto column = [&](int j) {
-        const Transform& m = cylinder.to_world;
-        return Vec3<double>{m(0, j), m(1, j), m(2, j)};
-    };
-    const double a = length(column(0)), b = length(column(1)), c = length(column(2));
-    const auto skew = [&](int i, int j) { return std::abs(dot(column(i), column(j))); };
+    const Transform& m = cylinder.to_world;
+    const double a = length(column_of(m, 0)), b = length(column_of(m, 1)),
+                 c = length(column_of(m, 2));
+    const auto skew = [&](int i, int j) { return std::abs(dot(column_of(m, i), column_of(m, j))); };
     constexpr double kTolerance = 1e-3;
     if (std::abs(a / b - 1) > kTolerance || skew(0, 1) > kTolerance * a * b ||
         skew(0, 2) > kTolerance * a * c || skew(1, 2) > kTolerance * b * c)

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <cmath>
-#include <numbers>
 
 #include "core/frame.h"
 #include "mitsuba/numbers.h"
@@ -36,17 +35,6 @@ Transform read_matrix(const Node& node) {
 
 bool is_unit(const Vec3<double>& axis) { return std::abs(length_squared(axis) - 1) < 1e-5; }
 
-/// c I + (1 - c) a a^T + s [a]x, of an axis of any length.
-Transform skewed_rotation(const Vec3<double>& a, double degrees) {
-    const double angle = degrees * std::numbers::pi / 180, c = std::cos(angle), s = std::sin(angle);
-    Transform r;
-    for (int i = 0; i < 3; ++i)
-        for (int j = 0; j < 3; ++j) r(i, j) = (i == j ? c : 0) + (1 - c) * a[i] * a[j];
-    r(0, 1) -= s * a.z, r(0, 2) += s * a.y, r(1, 0) += s * a.z;
-    r(1, 2) -= s * a.x, r(2, 0) -= s * a.y, r(2, 1) += s * a.x;
-    return r;
-}
-
 Transform read_rotation(const Node& node) {
     const Vec3<double> axis = read_vector(node, 0);
     const std::vector<double> angle = parse_numbers(attribute(node, "angle"), node.place);
@@ -54,7 +42,7 @@ Transform read_rotation(const Node& node) {
         fail(node.place, fmt::format("\"angle\" has {} numbers, expected 1", angle.size()));
     if (!(length_squared(axis) > 0))
         fail(node.place, "<rotate> has no axis, expected x, y, z or value");
-    return is_unit(axis) ? rotation(axis, angle[0]) : skewed_rotation(axis, angle[0]);
+    return is_unit(axis) ? rotation(axis, angle[0]) : rodrigues(axis, angle[0]);
 }
 
 /// Without an `up`, or with one of 0, the roll is that of Mitsuba.
@@ -93,8 +81,6 @@ Transform transposed(const Transform& a) {
         for (int j = 0; j < 3; ++j) t(i, j) = a(j, i);
     return t;
 }
-
-Vec3<double> column(const Transform& a, int i) { return {a(0, i), a(1, i), a(2, i)}; }
 
 }  // namespace
 
@@ -138,7 +124,7 @@ std::optional<Transform> read_skewed_inverse(const Node& node) {
 
 UniformScale uniform_scale(const Transform& a, double tolerance) {
     UniformScale result;
-    const Vec3<double> x = column(a, 0), y = column(a, 1), z = column(a, 2);
+    const Vec3<double> x = column_of(a, 0), y = column_of(a, 1), z = column_of(a, 2);
     result.scale = (length(x) + length(y) + length(z)) / 3;
     const double square = result.scale * result.scale;
     const auto off = [&](const Vec3<double>& u, const Vec3<double>& v, double expected) {

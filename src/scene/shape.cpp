@@ -17,10 +17,7 @@ const Mesh* mesh_of(const Geometry& geometry) {
 }
 
 double triangle_area(const Mesh& mesh, const Triangle& triangle) {
-    const auto at = [&](std::size_t i) {
-        const Vec3f& p = mesh.positions[triangle.vertex[i]];
-        return Vec3<double>{p.x, p.y, p.z};
-    };
+    const auto at = [&](std::size_t i) { return to_double(mesh.positions[triangle.vertex[i]]); };
     return 0.5 * length(cross(at(1) - at(0), at(2) - at(0)));
 }
 

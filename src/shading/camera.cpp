@@ -39,13 +39,10 @@ namespace {
 
 CameraRay<float> bent_ray(const CameraRays& c, const Vec2f& film_position) {
     const BentRays& b = c.bent;
-    const auto narrow = [](const Vec3<double>& v) {
-        return Vec3f{static_cast<float>(v.x), static_cast<float>(v.y), static_cast<float>(v.z)};
-    };
     const auto local = bent_direction(b, {double{film_position.x}, double{film_position.y}});
-    if (!local) return {c.eye, narrow(b.axes[2]), -1};
+    if (!local) return {c.eye, to_float(b.axes[2]), -1};
     const Vec3f direction =
-        narrow(b.axes[0] * local->x + b.axes[1] * local->y + b.axes[2] * local->z);
+        to_float(b.axes[0] * local->x + b.axes[1] * local->y + b.axes[2] * local->z);
     const float distance = sees_by_plane(b.lens.lens.kind) ? static_cast<float>(1 / local->z) : 1;
     return {c.eye + direction * (c.near_clip * distance), direction,
             (c.far_clip - c.near_clip) * distance};
