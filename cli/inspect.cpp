@@ -6,6 +6,7 @@
 #include <cmath>
 #include <map>
 #include <numbers>
+#include <numeric>
 
 #include "cli/console.h"
 #include "cli/findings.h"
@@ -83,26 +84,20 @@ void add_light(const Scene& scene, const Emitter& emitter,
 }
 
 ParameterFacts facts_of(const Parameter& parameter, const Bitmap& bitmap) {
-    ParameterFacts f{parameter.name,
-                     bitmap.file,
-                     bitmap.width,
-                     bitmap.height,
-                     bitmap.channels,
-                     bitmap.filter,
-                     bitmap.wrap,
-                     bitmap.raw,
-                     0,
-                     0,
-                     0,
-                     0};
     const Image texels = linear_image(bitmap);
-    float low = INFINITY, high = -INFINITY;
-    double sum = 0;
-    for (const float v : texels.values)
-        low = std::min(low, v), high = std::max(high, v), sum += double{v};
-    f.low = double{low}, f.high = double{high};
-    f.mean = sum / static_cast<double>(texels.values.size());
-    return f;
+    const auto [low, high] = std::ranges::minmax(texels.values);
+    const double sum = std::accumulate(texels.values.begin(), texels.values.end(), 0.0);
+    return {.name = parameter.name,
+            .file = bitmap.file,
+            .width = bitmap.width,
+            .height = bitmap.height,
+            .channels = bitmap.channels,
+            .filter = bitmap.filter,
+            .wrap = bitmap.wrap,
+            .raw = bitmap.raw,
+            .low = double{low},
+            .mean = sum / static_cast<double>(texels.values.size()),
+            .high = double{high}};
 }
 
 constexpr int kProbe = 96;  // a grid of kProbe x kProbe camera rays
