@@ -31,11 +31,18 @@ UvTransform fitted(const Mesh& mesh) {
     return {{x, 0, -low.x * x, 0, y, -low.y * y}};
 }
 
-constexpr int kSide = 512;            // of a grid: a share of the area is all that is asked
 constexpr double kWorthSaying = 0.1;  // a seam or a hidden rim overlaps, too
 
-UvCovers covers_of(const Mesh& mesh, const UvTransform& to_uv) {
-    UvCovers covers = make_covers(kSide, kSide);
+/// Of a grid for each of so many meshes: a share of the area is all that is asked, and all grids
+/// together are filled in about a second.
+int grid_side(std::size_t meshes) {
+    constexpr double kMostCells = 1 << 26;  // of all grids
+    return static_cast<int>(
+        std::clamp(std::sqrt(kMostCells / static_cast<double>(meshes)), 32.0, 512.0));
+}
+
+UvCovers covers_of(const Mesh& mesh, const UvTransform& to_uv, int side) {
+    UvCovers covers = make_covers(side, side);
     add_covers(mesh, to_uv, covers);
     return covers;
 }
@@ -69,11 +76,24 @@ std::vector<const Mesh*> meshes_of(const std::vector<TextureReader>& readers) {
     return meshes;
 }
 
+/// Those that read a parameter.
+std::vector<TextureReader> readers_of_parameters(const Scene& scene) {
+    std::vector<TextureReader> readers;
+    std::set<const Mesh*> known;
+    for (const Shape& shape : scene.shapes) {
+        const Mesh* mesh = unwrapped_mesh(scene, shape);
+        if (mesh && has_parameter(scene, shape.material) && known.insert(mesh).second)
+            readers.push_back({mesh, shape.id});
+    }
+    return readers;
+}
+
 /// How many of the meshes cover each texel, at most 2.
-UvCovers count_meshes(const std::vector<TextureReader>& readers, const UvTransform& to_uv) {
-    UvCovers meshes = make_covers(kSide, kSide);
+UvCovers count_meshes(const std::vector<TextureReader>& readers, const UvTransform& to_uv,
+                      int side) {
+    UvCovers meshes = make_covers(side, side);
     for (const TextureReader& reader : readers) {
-        const UvCovers covers = covers_of(*reader.mesh, to_uv);
+        const UvCovers covers = covers_of(*reader.mesh, to_uv, side);
         for (std::size_t i = 0; i < covers.count.size(); ++i)
             if (covers.count[i] > 0 && meshes.count[i] < 2) ++meshes.count[i];
     }
@@ -86,7 +106,7 @@ std::string sharing_shapes(const std::vector<TextureReader>& readers, const UvTr
                            const UvCovers& meshes) {
     std::vector<std::string> names;
     for (const TextureReader& reader : readers) {
-        const UvCovers covers = covers_of(*reader.mesh, to_uv);
+        const UvCovers covers = covers_of(*reader.mesh, to_uv, meshes.width);
         std::size_t own = 0, shared = 0;
         for (std::size_t i = 0; i < covers.count.size(); ++i)
             if (covers.count[i] > 0) ++own, shared += meshes.count[i] > 1;
@@ -102,17 +122,12 @@ std::string sharing_shapes(const std::vector<TextureReader>& readers, const UvTr
 }  // namespace
 
 void check_overlaps(const Scene& scene, Findings& findings) {
-    std::set<const Mesh*> known;  // several instances may show one
-    std::vector<TextureReader> meshes;
-    for (const Shape& shape : scene.shapes) {
-        const Mesh* mesh = unwrapped_mesh(scene, shape);
-        if (mesh && has_parameter(scene, shape.material) && known.insert(mesh).second)
-            meshes.push_back({mesh, shape.id});
-    }
+    const std::vector<TextureReader> meshes = readers_of_parameters(scene);
     std::vector<double> shares(meshes.size());
+    const int side = grid_side(meshes.size());
     parallel_for(meshes.size(), [&](std::size_t i) {
         const Mesh& mesh = *meshes[i].mesh;
-        shares[i] = shares_of(covers_of(mesh, fitted(mesh))).overlapping;
+        shares[i] = shares_of(covers_of(mesh, fitted(mesh), side)).overlapping;
     });
     std::size_t count = 0;
     double most = 0;
@@ -135,6 +150,7 @@ void check_shared_textures(const Scene& scene, Findings& findings) {
     std::size_t count = 0;
     double most = 0;
     std::string worst;
+    const int side = grid_side(readers_of_parameters(scene).size());
     std::vector<TextureId> known;  // several parameters may be one
     std::map<std::pair<std::vector<const Mesh*>, std::array<float, 6>>, double> shares;
     for (const Parameter& p : scene.parameters) {
@@ -147,7 +163,8 @@ void check_shared_textures(const Scene& scene, Findings& findings) {
         const auto [of_readers, is_new] = shares.try_emplace({meshes_of(readers), to_uv.m});
         double& share = of_readers->second;
         std::optional<UvCovers> meshes;
-        if (is_new) share = shares_of(meshes.emplace(count_meshes(readers, to_uv))).overlapping;
+        if (is_new)
+            share = shares_of(meshes.emplace(count_meshes(readers, to_uv, side))).overlapping;
         if (share <= kWorthSaying) continue;
         ++count;
         if (share <= most) continue;  // so are those of others with the same readers

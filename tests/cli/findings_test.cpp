@@ -1,8 +1,12 @@
 // What `burnish info` finds wrong, each on a small scene that has it, and on one that has not.
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include <ctime>
 #include <functional>
 
+#include "cli/console.h"
+#include "cli/findings.h"
 #include "cli/inspect.h"
 #include "mitsuba/temporary_scene.h"
 
@@ -87,6 +91,31 @@ TEST(Findings, TexelsOfSeveralMeshes) {
                        "type='instance'><ref id='g'/></shape>"),
               "")
         << "instances show one mesh";
+}
+
+/// Seconds of processor time, which nothing else takes from this process.
+double seconds_so_far() { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
+
+/// Grids as fine as those of a few would take 25 times as long.
+TEST(Findings, TexelsOfVeryManyMeshesTakeAsLongAsThoseOfSome) {
+    const TemporaryFolder folder;
+    const std::string material = textured(folder, 16);
+    const auto seconds_of = [&](std::size_t count) {
+        std::string shapes;
+        for (std::size_t i = 0; i < count; ++i)
+            shapes += fmt::format("<shape type='rectangle' id='r{}'><ref id='m'/></shape>\n", i);
+        const LoadedScene loaded = load_text(folder, kCamera + kSky + material + shapes);
+        const double begin = seconds_so_far();
+        Findings findings;
+        check_overlaps(loaded.scene, findings);
+        check_shared_textures(loaded.scene, findings);
+        EXPECT_EQ(findings, Findings{"shapes 'r0', 'r1' and " + count_text(count - 2, "other") +
+                                     " share 100 % of the used texels of m.reflectance.data, which "
+                                     "get one value together"});
+        return seconds_so_far() - begin;
+    };
+    const double some = seconds_of(200), many = seconds_of(5000);
+    EXPECT_LT(many, 5 * some);
 }
 
 TEST(Findings, TexelsOfSeveralMeshesAreOneSentenceOfAllParameters) {
