@@ -20,6 +20,12 @@ namespace {
 
 namespace fs = std::filesystem;
 
+constexpr const char* kSceneFolder = "scene";
+constexpr const char* kSceneFile = "scene.xml";  // within it
+constexpr const char* kLicense = "LICENSE";      // of the scene, beside it
+constexpr const char* kModel = "model.glb";
+constexpr const char* kScript = "import_into_blender.py";
+
 /// "roughness" of "mat.brdf_0.roughness.data"
 std::string property_of(const std::string& parameter) {
     const std::size_t end = parameter.rfind('.');
@@ -64,7 +70,7 @@ std::string free_name(const std::string& folder, const TargetTexture& texture,
 /// The textures are those that the results have: a large one takes seconds to compress.
 void write_recovered_scene(const LoadedScene& loaded, const RunResult& run,
                            const fs::path& results) {
-    const fs::path folder = results / "scene";
+    const fs::path folder = results / kSceneFolder;
     const SceneSource& source = loaded.source;
     const std::vector<std::string> copied = files_of(source);
     std::set<std::string> taken(copied.begin(), copied.end());
@@ -86,9 +92,19 @@ void write_recovered_scene(const LoadedScene& loaded, const RunResult& run,
         }
     }
     write_scene(source, values, folder);
-    const fs::path license = source.folder / "LICENSE";
+    const fs::path license = source.folder / kLicense;
     std::error_code ignored;
-    if (fs::is_regular_file(license, ignored)) write_bytes(folder / "LICENSE", read_bytes(license));
+    if (fs::is_regular_file(license, ignored)) write_bytes(folder / kLicense, read_bytes(license));
+}
+
+/// The files of write_recovered_scene at most, in the folder of the scene.
+std::vector<std::string> scene_names(const LoadedScene& loaded, const RunResult& run) {
+    std::vector<std::string> names = files_of(loaded.source);
+    std::set<std::string> taken(names.begin(), names.end());
+    const std::string textures = free_folder(taken);
+    for (const TargetTexture& t : run.textures) names.push_back(free_name(textures, t, taken));
+    names.insert(names.end(), {kSceneFile, kLicense});
+    return names;
 }
 
 /// The recovered textures in the place of the scene's.
@@ -118,25 +134,34 @@ void write_or_leave_out(const fs::path& folder, const char* name, const std::str
     log_warning(fmt::format("{} is left out: {}", top.string(), reason));
 }
 
+/// Of a file in the folder of the scene.
+std::string in_scene(const std::string& name) { return std::string(kSceneFolder) + "/" + name; }
+
 }  // namespace
+
+std::vector<std::string> deliverable_names(const LoadedScene& loaded, const RunResult& run) {
+    std::vector<std::string> names{kModel, kScript};
+    try {
+        for (const std::string& name : scene_names(loaded, run)) names.push_back(in_scene(name));
+    } catch (const InputError&) {  // the scene will be left out
+    }
+    return names;
+}
 
 void write_deliverables(const LoadedScene& loaded, const fs::path& folder, RunResult& run) {
     const auto write_text = [&](const char* name, const std::string& text) {
         write_bytes(folder / name, text);
     };
     write_or_leave_out(
-        folder, "scene", "scene/scene.xml", [&] { write_recovered_scene(loaded, run, folder); },
+        folder, "scene", in_scene(kSceneFile), [&] { write_recovered_scene(loaded, run, folder); },
         run);
     write_or_leave_out(
-        folder, "model", "model.glb",
-        [&] {
-            write_text("model.glb", model_glb(loaded.scene, recovered_table(loaded.scene, run)));
-        },
+        folder, "model", kModel,
+        [&] { write_text(kModel, model_glb(loaded.scene, recovered_table(loaded.scene, run))); },
         run);
-    const char* script = "import_into_blender.py";
     write_or_leave_out(
-        folder, "blender_script", script, [&] { write_text(script, blender_script(loaded, run)); },
-        run);
+        folder, "blender_script", kScript,
+        [&] { write_text(kScript, blender_script(loaded, run)); }, run);
 }
 
 }  // namespace burnish

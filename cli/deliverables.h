@@ -3,11 +3,16 @@
 #pragma once
 
 #include <filesystem>
+#include <string>
+#include <vector>
 
 #include "cli/run_result.h"
 #include "mitsuba/loaded_scene.h"
 
 namespace burnish {
+
+/// The names of the files that write_deliverables writes at most, in the folder of the results.
+std::vector<std::string> deliverable_names(const LoadedScene& loaded, const RunResult& run);
 
 /// Writes scene/, model.glb and import_into_blender.py into the folder of the results, which has
 /// textures/ already, and notes them in `run`. What cannot be written, as when the scene's files

@@ -60,13 +60,6 @@ void log_long_phases(const RunResult& run) {
                   "--evaluation-spp");
 }
 
-double bytes_of_textures(const RunResult& run) {
-    double bytes = 1 << 16;
-    for (const TargetTexture& t : run.textures)
-        bytes += static_cast<double>(t.initial.values.size() * sizeof(float));
-    return bytes;
-}
-
 void log_result(const RunResult& run, const EvaluatedRun& evaluated) {
     const Summary& s = evaluated.summary;
     std::string text =
@@ -96,6 +89,41 @@ void log_result(const RunResult& run, const EvaluatedRun& evaluated) {
 
 namespace {
 
+constexpr const char* kReport = "report.html";
+constexpr const char* kComparedHistory = "history_compared.csv";
+constexpr const char *kRender = "render.exr", *kTarget = "target.exr";  // of each view
+
+/// Of each view the folder of its pictures, within that of the results.
+std::vector<std::filesystem::path> folders_of(const std::vector<View>& views) {
+    if (views.size() == 1) return {""};
+    std::vector<std::filesystem::path> folders;
+    for (const std::string& name : folder_names(views))
+        folders.push_back(std::filesystem::path("views") / name);
+    return folders;
+}
+
+/// All that write_all writes at most, by names in the folder of the results.
+std::vector<std::string> result_names(const LoadedScene& loaded, const RunResult& run) {
+    std::vector<std::string> names = deliverable_names(loaded, run);
+    names.insert(names.end(), {kHistory, kComparedHistory, kReport, kSummary});
+    for (const TargetTexture& t : run.textures)
+        names.insert(names.end(),
+                     {texture_file(t, ".exr"), texture_file(t, ".png"),
+                      texture_file(t, ".exr", kCoverage), texture_file(t, ".exr", kConfidence)});
+    std::vector<View> views;
+    for (const CapturedView& source : run.sources) views.push_back(source.view);
+    for (const std::filesystem::path& folder : folders_of(views))
+        for (const char* file : {kRender, kTarget}) names.push_back((folder / file).string());
+    return names;
+}
+
+double bytes_of_textures(const RunResult& run) {
+    double bytes = 1 << 16;
+    for (const TargetTexture& t : run.textures)
+        bytes += static_cast<double>(t.initial.values.size() * sizeof(float));
+    return bytes;
+}
+
 struct PictureFile {
     std::filesystem::path name;
     const Image* image;
@@ -120,13 +148,12 @@ std::vector<PictureFile> texture_files(const RunResult& run, const std::filesyst
 
 /// Of each view the render of the result and the picture that it was to agree with.
 std::vector<PictureFile> view_files(const RunResult& run, const std::filesystem::path& folder) {
-    const std::vector<std::string> names = folder_names(run.views);
+    const std::vector<std::filesystem::path> places = folders_of(run.views);
     std::vector<PictureFile> files;
     for (std::size_t i = 0; i < run.views.size(); ++i) {
-        const auto place = run.views.size() == 1 ? folder : folder / "views" / names[i];
         const Image& render = run.result.summary.result.views[i].image;
-        files.push_back({place / "render.exr", &render, false});
-        files.push_back({place / "target.exr", &run.views[i].image, false});
+        files.push_back({folder / places[i] / kRender, &render, false});
+        files.push_back({folder / places[i] / kTarget, &run.views[i].image, false});
     }
     return files;
 }
@@ -147,8 +174,8 @@ void write_all(const Renderer& renderer, RunResult& run, OutputFolder& output) {
     std::filesystem::remove_all(folder / kBuiltIn);
     write_bytes(folder / kHistory, history_csv(run.result.summary.iterations));
     if (run.compared)
-        write_bytes(folder / "history_compared.csv", history_csv(run.compared->summary.iterations));
-    write_bytes(folder / "report.html", report_html(run));
+        write_bytes(folder / kComparedHistory, history_csv(run.compared->summary.iterations));
+    write_bytes(folder / kReport, report_html(run));
     std::vector<std::string> files = unfinished_files(output);
     files.push_back(kSummary);
     const auto was_ended = [](const EvaluatedRun& r) {
@@ -180,6 +207,12 @@ void try_to_list(const OutputFolder& output) {
 }
 
 }  // namespace
+
+void require_place(const OutputFolder& output, const Renderer& renderer, const RunResult& run,
+                   const std::vector<Input>& read) {
+    require_no_inputs(output, result_names(*renderer.data().loaded, run), read);
+    require_room(output, bytes_of_textures(run));
+}
 
 void write_results(const Renderer& renderer, RunResult& run, OutputFolder& output) {
     const WholeStep whole;

@@ -8,8 +8,10 @@ namespace burnish {
 
 /// Before the run: what the targets and the evaluation will take, where that is long.
 void log_long_phases(const RunResult& run);
-/// Of the textures among the results.
-double bytes_of_textures(const RunResult& run);
+/// Before the run: throws OutputError where its results have no room, or one would replace a file
+/// among those that were read.
+void require_place(const OutputFolder& output, const Renderer& renderer, const RunResult& run,
+                   const std::vector<Input>& read);
 
 void log_result(const RunResult& run, const EvaluatedRun& evaluated);
 

@@ -229,7 +229,7 @@ Renderer read_run(OutputFolder& output, Phases& phases, RunResult& run) {
     plan_memory({scenes_of(run, false), scenes_of(run, true)}, run);
     log_pictures(run);
     warn_without_effect(renderer.data().scene(), run);
-    if (is_first(run.ranks)) require_room(output, bytes_of_textures(run));
+    if (is_first(run.ranks)) require_place(output, renderer, run, log.files());
     log_long_phases(run);
     run.views = with_pictures(settings, run.sources, run.renderers, run.pictures.photographs);
     phases.end("target");

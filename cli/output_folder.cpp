@@ -272,6 +272,20 @@ void require_room(const OutputFolder& output, double bytes) {
                          bytes_text(bytes), std::strerror(error)));
 }
 
+void require_no_inputs(const OutputFolder& output, const std::vector<std::string>& results,
+                       const std::vector<Input>& inputs) {
+    const std::set<std::string> earlier(output.earlier_files.begin(), output.earlier_files.end());
+    std::error_code ignored;
+    for (const std::string& name : results) {
+        const fs::path file = output.folder / name;
+        if (earlier.contains(name) || !fs::is_regular_file(fs::symlink_status(file, ignored)))
+            continue;
+        for (const Input& input : inputs)
+            if (fs::equivalent(file, input.name, ignored))
+                fail(file, "is a file that this run reads: expected another folder");
+    }
+}
+
 void take_checkpoints(OutputFolder& output, const fs::path& first) {
     if (output.owns_checkpoints) return;
     std::error_code ignored;

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "burnish/input.h"
 #include "burnish/solve.h"
 #include "cli/interrupt.h"
 
@@ -45,6 +46,11 @@ void make_temporary(OutputFolder& output);
 
 /// Throws OutputError where the disk, a quota or a limit has no room for so many bytes.
 void require_room(const OutputFolder& output, double bytes);
+
+/// Throws OutputError where a result, by its name in the folder, would replace a file of those that
+/// the run reads. A link is replaced itself, and results of an earlier run in the folder are to be.
+void require_no_inputs(const OutputFolder& output, const std::vector<std::string>& results,
+                       const std::vector<Input>& inputs);
 
 /// The first of the run that writes here lies on the disk: those of an older one go.
 void take_checkpoints(OutputFolder& output, const std::filesystem::path& first);

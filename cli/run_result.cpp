@@ -84,8 +84,8 @@ std::string unvisited_text(const RunResult& run, std::size_t texture) {
 }
 
 std::vector<std::pair<std::string, const Image*>> evidence_maps(const RecoveredTexture& texture) {
-    std::vector<std::pair<std::string, const Image*>> maps{{"coverage", &texture.coverage}};
-    if (texture.confidence.width > 0) maps.emplace_back("confidence", &texture.confidence);
+    std::vector<std::pair<std::string, const Image*>> maps{{kCoverage, &texture.coverage}};
+    if (texture.confidence.width > 0) maps.emplace_back(kConfidence, &texture.confidence);
     return maps;
 }
 

@@ -126,7 +126,8 @@ std::string ended_by(const Summary& summary);
 /// How many texels of a texture no view decides, and what they hold, as a sentence; empty: none.
 std::string unvisited_text(const RunResult& run, std::size_t texture);
 
-/// What is known of a texture's texels, by name: "coverage"; "confidence", where there is one.
+inline constexpr const char *kCoverage = "coverage", *kConfidence = "confidence";
+/// What is known of a texture's texels, by name: coverage; confidence, where there is one.
 std::vector<std::pair<std::string, const Image*>> evidence_maps(const RecoveredTexture& texture);
 
 }  // namespace burnish

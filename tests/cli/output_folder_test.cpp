@@ -204,6 +204,59 @@ TEST_F(OutputFolderTest, NothingIsWrittenOrRemovedThroughALink) {
     EXPECT_FALSE(fs::exists(folder / "out/old"));
 }
 
+constexpr const char* kShortRun =
+    "--parameter base_color --parameter roughness --spp 2 --evaluation-spp 4 --iterations 2 ";
+
+/// Of all that a run writes: another name of a file that it reads lies there.
+TEST_F(OutputFolderTest, NoResultReplacesAFileThatTheRunReads) {
+    write_scene();
+    std::string scene = read_text(folder / "scene.xml");
+    const std::size_t begin = scene.find("  <sensor"), end = scene.find("  <bsdf");
+    scene.insert(end, scene.substr(begin, end - begin));
+    write_text(folder / "scene.xml", scene);
+    write_text(folder / "LICENSE", "mine");
+    const std::string command = std::string("optimize scene.xml --sensor 0 --sensor 1 ") +
+                                "--compare mc --target-spp 4 " + kShortRun;
+    ASSERT_EQ(run(command + "-o out").code, 0) << read_text(folder / ".err");
+    std::size_t refused = 0;
+    const auto summary = summary_of("out");
+    for (const auto& name : summary["files"]) {
+        const std::string file = "own/" + name.get<std::string>();
+        fs::create_directories((folder / file).parent_path());
+        fs::create_hard_link(folder / "color.exr", folder / file);
+        const Outcome outcome = Program::expect_refused(
+            command + "--force -o own", 73,
+            file + ": is a file that this run reads: expected another folder");
+        EXPECT_FALSE(contains(outcome.err, "recovering")) << "before anything is traced";
+        fs::remove_all(folder / "own");
+        ++refused;
+    }
+    EXPECT_GE(refused, 20u);
+}
+
+TEST_F(OutputFolderTest, PhotographsAndScenesAreNotReplacedByResults) {
+    write_scene();
+    ASSERT_EQ(run("render scene.xml -o render.exr --spp 4").code, 0);
+    const std::string picture = read_text(folder / "render.exr");
+    const auto command = [](const std::string& scene) {
+        return "optimize " + scene + " " + kShortRun;
+    };
+    const std::string said = "is a file that this run reads: expected another folder";
+    const std::string fit = command("scene.xml") + "--target render.exr --force -o ";
+    Program::expect_refused(fit + ".", 73, "./render.exr: " + said);
+    EXPECT_EQ(read_text(folder / "render.exr"), picture);
+    fs::create_directory(folder / "linked");
+    fs::create_symlink("../render.exr", folder / "linked/render.exr");
+    EXPECT_EQ(run(fit + "linked").code, 0) << "the link is replaced";
+    EXPECT_EQ(read_text(folder / "render.exr"), picture);
+    ASSERT_EQ(run(command("scene.xml") + "-o out").code, 0);
+    const auto before = content("out");
+    Program::expect_refused(command("out/scene/scene.xml") + "--force -o out/scene", 73, said);
+    EXPECT_EQ(content("out"), before);
+    EXPECT_EQ(run(command("out/scene/scene.xml") + "-o out").code, 0)
+        << "results of a run are replaced by those of the next";
+}
+
 /// Times of files say little: copies have others.
 TEST_F(OutputFolderTest, ACheckpointThatResultsDoNotListIsOfAStoppedRun) {
     const fs::path checkpoint = folder / "out/checkpoints/0000000005.burnish";
