@@ -9,6 +9,7 @@
 #include "burnish/error.h"
 #include "captures/camera_model.h"
 #include "captures/json_value.h"
+#include "core/at_place.h"
 #include "core/positive_float.h"
 #include "core/transform.h"
 #include "image/image.h"
@@ -181,7 +182,7 @@ CapturedView view_of(const Value& v, std::size_t number, Skies& skies) {
 }
 
 std::string definition_of(const Value& v) {
-    if (v.value.is_null() || v.value.is_structured()) fail(v, "a text or a number");
+    if (v.value.is_null() || v.value.is_structured()) fail(v, "a text, a number, true or false");
     return v.value.is_string() ? text(v) : v.value.dump();
 }
 

@@ -7,7 +7,6 @@
 #include <string>
 #include <vector>
 
-#include "burnish/error.h"
 #include "burnish/photograph.h"
 #include "burnish/solve.h"
 
@@ -24,17 +23,6 @@ struct CapturedView {
                                ///< a size; empty: the camera has one of its own
     std::string place = {};    ///< of a capture: "capture.json: views[0]"
 };
-
-/// Returns body(). Its InputErrors begin with the place, unless that is empty.
-template <class Body>
-auto at_place(const std::string& place, const Body& body) {
-    try {
-        return body();
-    } catch (const InputError& e) {
-        if (place.empty()) throw;
-        throw InputError(place + ": " + e.what());
-    }
-}
 
 struct Capture {
     std::string scene;  ///< file

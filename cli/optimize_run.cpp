@@ -26,6 +26,7 @@
 #include "cli/unseeing_views.h"
 #include "cli/view_pictures.h"
 #include "cli/without_effect.h"
+#include "core/at_place.h"
 #include "core/parallel.h"
 #include "gradient/estimator.h"
 #include "image/files.h"

@@ -10,6 +10,7 @@
 
 #include "burnish/error.h"
 #include "captures/json_value.h"
+#include "core/at_place.h"
 #include "core/utf8.h"
 #include "image/files.h"
 
@@ -42,14 +43,12 @@ void check_count(const Setting& setting, std::size_t count) {
 }
 
 void check_values(const Given& g, const std::string& file) {
-    try {
+    at_place(file, [&] {
         check_count(find_setting(g.names.front()), g.values.size());
         for (const std::string& value : g.values)
             if (const std::string wrong = complaint(g.names.front(), value); !wrong.empty())
                 throw InputError(g.names.front() + ": " + wrong);
-    } catch (const InputError& error) {
-        throw InputError(file + ": " + error.what());
-    }
+    });
 }
 
 void read_object(const Json& object, const std::string& prefix, const std::string& file,

@@ -7,6 +7,7 @@
 #include "cli/commands.h"
 #include "cli/console.h"
 #include "cli/view_pictures.h"
+#include "core/at_place.h"
 #include "optimize/view_loss.h"
 #include "optimize/views.h"
 

@@ -15,6 +15,7 @@
 #include "captures/pictures.h"
 #include "cli/console.h"
 #include "cli/progress.h"
+#include "core/at_place.h"
 #include "core/lower_case.h"
 #include "core/parallel.h"
 #include "core/variant.h"
@@ -90,11 +91,8 @@ void require_film(const RunSettings& run, const CapturedView& view, const Photog
         require_file_size(p, seen.width(), seen.height(),
                           fmt::format("the target ({}{})", view.image, turning_text(p)),
                           "the size of the film");
-    try {
-        require_aspect(seen.data().traced.film, p.file_width, p.file_height);
-    } catch (const InputError& e) {
-        throw InputError(fmt::format("{}{}: {}", view.image, turning_text(p), e.what()));
-    }
+    at_place(view.image + turning_text(p),
+             [&] { require_aspect(seen.data().traced.film, p.file_width, p.file_height); });
 }
 
 }  // namespace

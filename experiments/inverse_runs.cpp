@@ -138,8 +138,9 @@ std::optional<Run> run_method(const TargetScene& scene, const Method& method,
     Options run_options = paper_options(scene, options);
     run_options.estimator = method.estimator;
     run_options.seed = options.seed + k;
-    run_options.stop.seconds = 1e9;      // its budgets end it
-    run_options.evaluation_samples = 2;  // of an end that nobody asks for
+    run_options.stop.seconds = 1e9;  // its budgets end it
+    // Of a run that is stopped and whose checkpoint cannot be written.
+    run_options.evaluation_samples = 2;
     const Budget budget = budget_of(method, options.budget);
     RunSoFar so_far;
     if (keeper && keeper->from) {

@@ -9,6 +9,7 @@
 #include "burnish/error.h"
 #include "captures/pictures.h"
 #include "captures/views.h"
+#include "core/at_place.h"
 #include "core/variant.h"
 #include "optimize/views.h"
 #include "python/arrays.h"

@@ -135,11 +135,12 @@ void bind_view(nb::module_& m) {
                                            v.image.height));
             },
             nb::sig("def __repr__(self) -> str"));
-    m.def("mask_background", without_background, nb::arg("renderer"), nb::arg("view"),
-          nb::sig("def mask_background(renderer: Renderer, view: View) -> View"),
-          "The view with the weight 0 for the pixels that show no surface of the scene, or the "
-          "edge of one, through its camera.\nThrows InputError: no other pixel is left, or each of "
-          "these has the weight 0.");
+    m.def(
+        "mask_background", without_background, nb::arg("renderer"), nb::arg("view"),
+        nb::sig("def mask_background(renderer: Renderer, view: View) -> View"),
+        "The view with the weight 0 for the pixels that show no surface of the scene, or the "
+        "edge of one, through its camera.\nThrows InputError: the image or the mask does not fit, "
+        "the camera has an aperture, no other pixel is left, or\neach of these has the weight 0.");
 }
 
 namespace {

@@ -6,10 +6,10 @@
 
 namespace burnish {
 
-inline char lower_case(char c) {
+constexpr char lower_case(char c) {
     return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
 }
-inline char upper_case(char c) {
+constexpr char upper_case(char c) {
     return c >= 'a' && c <= 'z' ? static_cast<char>(c - 'a' + 'A') : c;
 }
 

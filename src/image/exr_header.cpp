@@ -49,6 +49,7 @@ void note(const std::string& attribute, std::string_view value, Chunks& chunks) 
 
 std::uint64_t least_chunks(const Chunks& c) {
     if (c.tile_width == 0 || c.tile_height == 0) return c.count;
+    if (std::max(c.width, c.height) > kMaxImageSide) return c.count;  // refused by the library
     const auto tiles = [](std::uint64_t pixels, std::uint64_t side) {
         return (pixels + side - 1) / side;
     };

@@ -106,7 +106,7 @@ bool says_linear(const PngReader& reader) {
 }
 
 /// In the place of a profile's name.
-constexpr const char* kOtherPrimaries = "other primaries by cHRM, as of Adobe RGB";
+constexpr const char* kOtherPrimaries = "other primaries by cHRM";
 
 /// Whether the file has primaries, and others than those of sRGB. A profile, or the word that they
 /// are sRGB, counts before them.
@@ -177,8 +177,11 @@ ImageFile formats::decode_png(const std::string& name, std::string_view bytes) {
                    "PNG",
                    header.stored_bits};
     file.profile = profile_name(profile_of(reader));
-    if (file.profile.empty() && has_other_primaries(reader)) file.profile = kOtherPrimaries;
     file.says_linear = says_linear(reader);
+    // Of one channel they say nothing; the larger error of linear numbers comes first.
+    if (file.profile.empty() && !file.says_linear && header.channels >= 3 &&
+        has_other_primaries(reader))
+        file.profile = kOtherPrimaries;
     take_alpha(file);
     return file;
 }

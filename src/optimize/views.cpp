@@ -168,6 +168,9 @@ double mask_blind_pixels(const Renderer& renderer, View& view) {
 double mask_background(const Renderer& renderer, View& view) {
     check_sizes(view, renderer);
     const TracedScene& scene = renderer.data().traced;
+    require(!has_aperture(scene.camera),
+            "the camera has an aperture, through which the background has no sharp edge: expected "
+            "a mask of the view");
     std::vector<char> pixels =
         visible_pixels(scene, std::vector<char>(scene.scene->bsdfs.size(), 1));
     if (std::ranges::none_of(pixels, [](char seen) { return seen != 0; }))

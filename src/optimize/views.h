@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "burnish/error.h"
 #include "burnish/solve.h"
+#include "core/at_place.h"
 
 namespace burnish {
 
@@ -32,7 +32,8 @@ double mask_blind_pixels(const Renderer& renderer, View& view);
 
 /// Gives the weight 0 to the pixels that show no surface of the scene, or the edge of one.
 /// renderer: of the view. Returns the share of the pixels. Throws InputError where the image or the
-/// mask does not fit, no other pixel is left, or each of these has the weight 0.
+/// mask does not fit, the camera has an aperture, no other pixel is left, or each of these has the
+/// weight 0.
 double mask_background(const Renderer& renderer, View& view);
 
 /// Throws InputError where there is none.
@@ -49,12 +50,7 @@ std::string name_of(const View& view, std::size_t number);
 /// Returns body(). Its InputErrors name the view, unless it is the only one and has no name.
 template <class Body>
 auto naming_view(const View& view, std::size_t number, std::size_t views, const Body& body) {
-    try {
-        return body();
-    } catch (const InputError& e) {
-        if (views == 1 && view.name.empty()) throw;
-        throw InputError(name_of(view, number) + ": " + e.what());
-    }
+    return at_place(views == 1 && view.name.empty() ? "" : name_of(view, number), body);
 }
 
 /// The view of that name; names: of all. Throws InputError, which names those there are, where

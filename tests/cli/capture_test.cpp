@@ -145,9 +145,9 @@ TEST_F(CaptureTest, WhatIsWrongIsSaidWithItsKey) {
          "views[0].environment.to_world: found [[2,0,0,0],[0,1,0,0],[0,0,1,0],[0,0,0,1]], expected "
          "a rotation that does not scale, shear or mirror"},
         {R"({"version": 1, "scene": "s", "defines": {"n": null}, "views": []})",
-         "defines.n: found null, expected a text or a number"},
+         "defines.n: found null, expected a text, a number, true or false"},
         {R"({"version": 1, "scene": "s", "defines": {"n": [1]}, "views": []})",
-         "defines.n: found [1], expected a text or a number"},
+         "defines.n: found [1], expected a text, a number, true or false"},
         {with_keys(R"(, "image": "a.exr", "encoding": "log")"),
          "views[0].encoding: found \"log\", expected \"linear\", \"srgb\" or {\"gamma\": 2.2}"},
         {with_keys(R"(, "image": "a.exr", "encoding": {"gamma": 0})"),

@@ -10,7 +10,13 @@ using namespace testing;
 
 class Terminal : public Program {
   protected:
-    /// Runs the program in a terminal, which closes once the first iteration is shown in it.
+    void SetUp() override {
+        Program::SetUp();
+        const int master = posix_openpt(O_RDWR | O_NOCTTY);
+        if (master < 0) GTEST_SKIP() << "there are no pseudoterminals";
+        close(master);
+    }
+    /// Runs the program in a terminal, which closes once its iterations begin.
     /// Returns the status that it ended with. ignores_hangup: as under `nohup`.
     int close_in_the_iterations(const std::string& arguments, bool ignores_hangup) const {
         const std::string command =
@@ -39,13 +45,13 @@ class Terminal : public Program {
     }
 };
 
-constexpr const char* kRun =
+constexpr const char* kInATerminal =
     "optimize scene.xml --parameter base_color --init 0.5 --spp 4 --target-spp 16 "
     "--evaluation-spp 8 -o out ";
 
 TEST_F(Terminal, OneThatClosesSuspendsTheRun) {
     write_scene();
-    const int status = close_in_the_iterations(std::string(kRun) + "--time 3600", false);
+    const int status = close_in_the_iterations(std::string(kInATerminal) + "--time 3600", false);
     EXPECT_TRUE(WIFEXITED(status) && WEXITSTATUS(status) == 75) << status;
     EXPECT_FALSE(checkpoints_in(folder / "out/checkpoints").empty());
     EXPECT_FALSE(fs::exists(lock_of("out").parent_path()));
@@ -53,7 +59,7 @@ TEST_F(Terminal, OneThatClosesSuspendsTheRun) {
 
 TEST_F(Terminal, OneThatClosesUnderNohupChangesNothing) {
     write_scene();
-    const int status = close_in_the_iterations(std::string(kRun) + "--iterations 50", true);
+    const int status = close_in_the_iterations(std::string(kInATerminal) + "--iterations 50", true);
     EXPECT_TRUE(WIFEXITED(status) && WEXITSTATUS(status) == 0) << status;
     EXPECT_EQ(summary_of("out")["result"]["iterations"], 50);
     EXPECT_TRUE(fs::exists(folder / "out/report.html"));

@@ -335,6 +335,17 @@ TEST_F(Colmap, PixelsWithoutASurfaceMayBeLeftOut) {
     write_text(model / "images.txt", "1 0 1 0 0 0 0 3 1 a.png\n\n");
     expect_refused(command + "--ignore-background -o white", 65,
                    "a.png: no pixel counts: each that shows a surface ");
+    std::string scene = read_text(folder / "scene.xml");
+    const std::string pinhole = "type=\"perspective\">";
+    scene.replace(scene.find(pinhole), pinhole.size(),
+                  "type=\"thinlens\"><float name=\"aperture_radius\" value=\"0.1\"/>"
+                  "<float name=\"focus_distance\" value=\"3\"/>");
+    write_text(folder / "scene.xml", scene);
+    write_image(folder / "t.exr", make_image(24, 24, 3, 0.3f));
+    expect_refused(
+        "optimize scene.xml --target t.exr --parameter base_color --iterations 1 "
+        "--init 0.5 --ignore-background -o unsharp",
+        65, "the camera has an aperture, through which the background has no sharp edge");
 }
 
 }  // namespace

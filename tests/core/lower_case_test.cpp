@@ -1,10 +1,13 @@
-// Letters of ASCII, whatever the locale.
+// Letters of ASCII.
 #include "core/lower_case.h"
 
 #include <gtest/gtest.h>
 
 namespace burnish {
 namespace {
+
+// Without the C library, whose letters follow the locale.
+static_assert(lower_case('I') == 'i' && upper_case('i') == 'I');
 
 TEST(LowerCase, ChangesTheLettersOfAsciiAlone) {
     const std::string upper = "ABCDEFGHIJKLMNOPQRSTUVWXYZ", lower = "abcdefghijklmnopqrstuvwxyz";

@@ -317,10 +317,17 @@ TEST_F(Photographs, OtherPrimariesOfPngAreNamed) {
     };
     const std::vector<double> adobe{0.3127, 0.329, 0.64, 0.33, 0.21, 0.71, 0.15, 0.06},
         srgb{0.3127, 0.329, 0.6401, 0.33, 0.2998, 0.6, 0.15, 0.06};
-    EXPECT_EQ(profile(adobe, ""), "other primaries by cHRM, as of Adobe RGB");
+    EXPECT_EQ(profile(adobe, ""), "other primaries by cHRM");
     EXPECT_EQ(profile(srgb, ""), "");
     EXPECT_EQ(profile({}, ""), "");
     EXPECT_EQ(profile(adobe, make_profile("Display P3", 2)), "Display P3");
+    PngLayout png;
+    png.gamma = 1, png.chromaticities = adobe;
+    const Photograph linear = read_photograph(write("linear.png", make_png(png)));
+    EXPECT_EQ(linear.profile, "") << "the larger error comes first";
+    EXPECT_TRUE(linear.says_linear);
+    png.gamma = 1 / 2.2, png.color_type = 0;
+    EXPECT_EQ(read_photograph(write("gray.png", make_png(png))).profile, "");
 }
 
 TEST_F(Photographs, AGammaOfOneSaysThatNumbersAreLinear) {
