@@ -204,7 +204,7 @@ TEST_F(OutputFolderTest, NothingIsWrittenOrRemovedThroughALink) {
     EXPECT_FALSE(fs::exists(folder / "out/old"));
 }
 
-constexpr const char* kShortRun =
+constexpr const char* kOntoItsInputs =
     "--parameter base_color --parameter roughness --spp 2 --evaluation-spp 4 --iterations 2 ";
 
 /// Of all that a run writes: another name of a file that it reads lies there.
@@ -216,7 +216,7 @@ TEST_F(OutputFolderTest, NoResultReplacesAFileThatTheRunReads) {
     write_text(folder / "scene.xml", scene);
     write_text(folder / "LICENSE", "mine");
     const std::string command = std::string("optimize scene.xml --sensor 0 --sensor 1 ") +
-                                "--compare mc --target-spp 4 " + kShortRun;
+                                "--compare mc --target-spp 4 " + kOntoItsInputs;
     ASSERT_EQ(run(command + "-o out").code, 0) << read_text(folder / ".err");
     std::size_t refused = 0;
     const auto summary = summary_of("out");
@@ -239,7 +239,7 @@ TEST_F(OutputFolderTest, PhotographsAndScenesAreNotReplacedByResults) {
     ASSERT_EQ(run("render scene.xml -o render.exr --spp 4").code, 0);
     const std::string picture = read_text(folder / "render.exr");
     const auto command = [](const std::string& scene) {
-        return "optimize " + scene + " " + kShortRun;
+        return "optimize " + scene + " " + kOntoItsInputs;
     };
     const std::string said = "is a file that this run reads: expected another folder";
     const std::string fit = command("scene.xml") + "--target render.exr --force -o ";
