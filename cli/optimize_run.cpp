@@ -26,7 +26,6 @@
 #include "cli/unseeing_views.h"
 #include "cli/view_pictures.h"
 #include "cli/without_effect.h"
-#include "core/at_place.h"
 #include "core/parallel.h"
 #include "gradient/estimator.h"
 #include "image/files.h"
@@ -73,19 +72,6 @@ std::vector<TracedScene> scenes_of(const RunResult& run, bool held_out) {
         if (run.sources[i].view.held_out == held_out) scenes.push_back(traced);
     }
     return scenes;
-}
-
-/// Cameras of the pictures' sizes.
-void size_cameras(const Renderer& renderer, RunResult& run) {
-    for (std::size_t i = 0; i < run.sources.size(); ++i) {
-        View& view = run.sources[i].view;
-        view.camera = at_place(run.sources[i].place, [&] {
-            return naming_view(view, i, run.sources.size(), [&] {
-                return camera_for(run.settings.run, run.sources[i], run.pictures.photographs[i],
-                                  renderer);
-            });
-        });
-    }
 }
 
 /// How the files were read, and what looks wrong in them.
@@ -196,8 +182,13 @@ void solve_second(Problem problem, OutputFolder& output, Phases& phases, RunResu
     const double earlier = from ? from->run.seconds : 0;
     const bool searches = !from;
     log_idle(run, run.settings.compared->estimator);
-    run.compared = solve_with_progress(std::move(problem), second_options(run), checkpoints,
-                                       std::move(from), {run, output, kCompared});
+    try {
+        run.compared = solve_with_progress(std::move(problem), second_options(run), checkpoints,
+                                           std::move(from), {run, output, kCompared});
+    } catch (const OutputError& e) {  // it was stopped, and has no checkpoint: the first run stays
+        log_warning(fmt::format("the second run is left out: {}", e.what()));
+        return;
+    }
     if (!is_first(run.ranks)) return;
     measure_errors(run.textures, *run.compared);
     const Summary& summary = run.compared->summary;
@@ -224,7 +215,7 @@ Renderer read_run(OutputFolder& output, Phases& phases, RunResult& run) {
         make_renderer_with_progress(std::move(loaded), settings.run.light_selection);
     phases.end("scene");
     run.pictures = read_pictures(settings.run, run.sources);
-    size_cameras(renderer, run);
+    size_cameras(settings.run, renderer, run.pictures.photographs, run.sources);
     make_view_renderers(renderer, run);
     phases.end("pictures");
     plan_memory({scenes_of(run, false), scenes_of(run, true)}, run);

@@ -125,7 +125,9 @@ RunKeeper keep_run(const KeptResults& kept) {
     checkpoints.folder = kept.folder.string();
     checkpoints.stop = interrupted;
     checkpoints.note = [](const CheckpointNote& note) {
-        if (!note.error.empty()) log_warning(note.error + "; the run goes on without it");
+        if (!note.error.empty())
+            log_warning(fmt::format("{}; the run {} without it", note.error,
+                                    note.is_last ? "ends" : "goes on"));
     };
     keeper.keep = [&kept](std::size_t at, const Moment& moment) { keep(kept, "at", at, moment); };
     if (!std::filesystem::exists(kept.folder)) return keeper;

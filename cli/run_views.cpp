@@ -113,6 +113,15 @@ std::vector<CapturedView> views_of(const RunSettings& run, const std::optional<C
     return views;
 }
 
+void size_cameras(const RunSettings& run, const Renderer& renderer,
+                  const std::vector<Photograph>& photographs, std::vector<CapturedView>& views) {
+    for (std::size_t i = 0; i < views.size(); ++i)
+        views[i].view.camera = at_place(views[i].place, [&] {
+            return naming_view(views[i].view, i, views.size(),
+                               [&] { return camera_for(run, views[i], photographs[i], renderer); });
+        });
+}
+
 std::vector<Renderer> make_captured_views(const Problem& problem,
                                           const std::vector<CapturedView>& views) {
     std::vector<Renderer> renderers;

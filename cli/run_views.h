@@ -19,6 +19,11 @@ void use_capture(const Capture& capture, SceneOptions& scene);
 /// Throws UsageError where options do not fit the capture, or each other, and InputError.
 std::vector<CapturedView> views_of(const RunSettings& run, const std::optional<Capture>& capture);
 
+/// Gives the views the cameras of their pictures' sizes. photographs: of the views. Throws
+/// InputError.
+void size_cameras(const RunSettings& run, const Renderer& renderer,
+                  const std::vector<Photograph>& photographs, std::vector<CapturedView>& views);
+
 /// What make_views makes of a problem with these views, at their places.
 std::vector<Renderer> make_captured_views(const Problem& problem,
                                           const std::vector<CapturedView>& views);

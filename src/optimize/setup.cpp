@@ -50,7 +50,7 @@ Image take_start(Unknown& unknown, const Bitmap& bitmap) {
     const auto in_range = [](float v) { return v >= 0 && v <= 1; };
     if (const float* value = std::get_if<float>(&unknown.start)) {
         require(in_range(*value),
-                fmt::format("the start of {} is {:f}, expected a value from 0 to 1", unknown.name,
+                fmt::format("the start of {} is {:g}, expected a value from 0 to 1", unknown.name,
                             *value));
         return make_image(bitmap.width, bitmap.height, bitmap.channels, *value);
     }

@@ -260,7 +260,7 @@ TEST_F(Batch, ASignalBeforeTheIterationsOfAJobThatGoesOnEndsTheBatchAsOthersDo) 
     EXPECT_FALSE(contains(error, "--resume")) << error;
 }
 
-/// A file takes the place of the folder that the checkpoint goes to.
+/// A file takes the place of the folder that the checkpoint goes to, and a folder that of a result.
 TEST_F(Batch, ASignalEndsTheBatchWhereTheJobFails) {
     const std::string job =
         R"("options": {"stop.iterations": 1000000, "run.checkpoint_seconds": 100000}})";
@@ -270,6 +270,7 @@ TEST_F(Batch, ASignalEndsTheBatchWhereTheJobFails) {
     const fs::path of_job = folder / "out/a/checkpoints";
     fs::remove_all(of_job);
     write_text(of_job, "");
+    fs::create_directory(folder / "out/a/report.html");
     kill(pid, SIGTERM);
     const int status = end_of(pid);
     EXPECT_TRUE(WIFEXITED(status) && WEXITSTATUS(status) == 75) << status;

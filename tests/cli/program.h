@@ -141,6 +141,7 @@ class Program : public ::testing::Test {
         fs::remove(folder / ".err");
         const pid_t pid = fork();
         if (pid == 0) {
+            std::signal(SIGHUP, SIG_DFL);  // also under nohup
             execl("/bin/sh", "sh", "-c", command.c_str(), nullptr);
             _exit(127);
         }

@@ -32,7 +32,7 @@ class Terminal : public Program {
             const int terminal = open(name.c_str(), O_RDWR);  // it controls the session
             for (const int stream : {0, 1, 2}) dup2(terminal, stream);
             setenv("TERM", "xterm", 1);
-            if (ignores_hangup) std::signal(SIGHUP, SIG_IGN);
+            std::signal(SIGHUP, ignores_hangup ? SIG_IGN : SIG_DFL);
             execl("/bin/sh", "sh", "-c", command.c_str(), nullptr);
             _exit(127);
         }
