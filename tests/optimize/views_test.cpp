@@ -493,8 +493,8 @@ TEST(Views, AnEnvironmentReplacesTheScenes) {
     for (const auto& [wrong, words] : {std::pair{-1e-9, "the environment's scale is -1e-09:"},
                                        std::pair{1e39, "the environment's scale is 1e+39:"},
                                        std::pair{std::nan(""), "the environment's scale is nan:"}})
-        EXPECT_NE(test::error_of([&] {
-                      of_mapped.with_lighting({{}, Environment{{}, wrong, {}}});
+        EXPECT_NE(test::error_of([&, scale = wrong] {
+                      of_mapped.with_lighting({{}, Environment{{}, scale, {}}});
                   }).find(words),
                   std::string::npos)
             << words;
