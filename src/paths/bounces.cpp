@@ -2,9 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <memory>
 
+#include "core/finite_lanes.h"
 #include "core/random_packet.h"
 #include "paths/primary_rays.h"
 #include "paths/scatter.h"
@@ -130,11 +130,6 @@ Packet survival(const Tracer& t, const Rgb<Packet>& throughput, const Packet& et
                max(Packet(t.input.keep_black ? kMinSurvival : 0.0f), largest));
 }
 
-Mask is_finite(const Rgb<Packet>& v) {
-    const Packet largest(std::numeric_limits<float>::max());
-    return abs(v.x) <= largest && abs(v.y) <= largest && abs(v.z) <= largest;
-}
-
 /// Of the samples of sixteen lanes.
 Packet roulette_numbers(const Tracer& t, const ColumnIndices& samples, std::uint32_t bounce) {
     LaneIntegers pixel, iteration, pass;
@@ -171,7 +166,7 @@ Mask carry_on(Tracer& t, const ColumnIndices& lanes, const ColumnIndices& sample
     if (bounce + 1 >= std::min(rr_depth, kLatestRoulette)) {
         const Packet chance = survival(t, throughput, eta);
         // What is not finite goes on: ends_here counts it.
-        goes_on = !(roulette_numbers(t, samples, bounce) >= chance && is_finite(throughput));
+        goes_on = !(roulette_numbers(t, samples, bounce) >= chance && finite_lanes(throughput));
         weight = weight / chance;
         throughput = throughput * (one / chance);
     }

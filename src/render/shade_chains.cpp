@@ -1,6 +1,6 @@
 #include "render/shade_chains.h"
 
-#include <limits>
+#include "core/finite_lanes.h"
 
 namespace burnish {
 
@@ -17,8 +17,6 @@ RecordBlock next_record(const VertexBlock& vertex) {
     for (LaneValues& channel : record.radiance_over_pdf) channel.fill(1);
     return record;
 }
-
-auto finite_lanes(const Packet& v) { return abs(v) <= Packet(std::numeric_limits<float>::max()); }
 
 /// The lanes in which all of these are finite.
 Mask finite_lanes(std::span<const LaneValues> values) {

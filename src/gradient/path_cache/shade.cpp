@@ -1,8 +1,8 @@
 // Records -> images, one for each half.
 #include <algorithm>
-#include <limits>
 #include <numeric>
 
+#include "core/finite_lanes.h"
 #include "core/parallel.h"
 #include "gradient/path_cache/taps.h"
 #include "render/shade_chains.h"
@@ -16,9 +16,9 @@ using Shaders = std::span<const RecordShader>;
 
 /// Clears the lanes in which the value or a derivative is not finite, and counts them.
 std::size_t reject_non_finite(Rgb<Packet>& value, std::span<LaneValues> derivatives) {
-    const Packet largest(std::numeric_limits<float>::max()), zero(0.0f);
-    auto finite = abs(value.x) <= largest && abs(value.y) <= largest && abs(value.z) <= largest;
-    for (const LaneValues& d : derivatives) finite = finite && abs(load(d.data())) <= largest;
+    const Packet zero(0.0f);
+    Mask finite = finite_lanes(value);
+    for (const LaneValues& d : derivatives) finite = finite && finite_lanes(load(d.data()));
     if (all(finite)) return 0;
     value = select(finite, value, Rgb<Packet>{zero, zero, zero});
     for (LaneValues& d : derivatives) store(d.data(), select(finite, load(d.data()), zero));
