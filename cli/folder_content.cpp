@@ -22,10 +22,10 @@ fs::path without_slash(const fs::path& folder) {
 }
 
 nlohmann::json read_summary(const fs::path& folder) {
-    constexpr std::uintmax_t kMaxSize = std::uintmax_t{64} << 20;  // bytes
     const fs::path file = folder / kSummary;
     std::error_code error;
-    if (!fs::is_regular_file(file, error) || fs::file_size(file, error) > kMaxSize) return {};
+    if (!fs::is_regular_file(file, error) || fs::file_size(file, error) > kMaxSummarySize)
+        return {};
     std::ifstream stream(file, std::ios::binary);
     const std::string text{std::istreambuf_iterator<char>(stream), {}};
     try {

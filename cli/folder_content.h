@@ -2,6 +2,7 @@
 // that was killed has left, or what is somebody else's.
 #pragma once
 
+#include <cstddef>
 #include <filesystem>
 #include <nlohmann/json_fwd.hpp>
 #include <optional>
@@ -18,6 +19,7 @@ inline constexpr const char* kCheckpoints = "checkpoints";
 inline constexpr const char* kCompared = "compared";
 /// Lists the files of a run.
 inline constexpr const char* kSummary = "summary.json";
+inline constexpr std::size_t kMaxSummarySize = std::size_t{64} << 20;  ///< bytes
 
 /// Without the slash that shells put behind a folder: its last part is its name.
 std::filesystem::path without_slash(const std::filesystem::path& folder);

@@ -10,6 +10,7 @@
 
 #include "burnish/error.h"
 #include "captures/json_value.h"
+#include "cli/folder_content.h"
 #include "core/at_place.h"
 #include "core/utf8.h"
 #include "image/files.h"
@@ -81,19 +82,18 @@ std::string ascii(const std::string& text) {
     return result;
 }
 
-/// Of a file or a pipe, which may have no end.
+/// Of a file, which may be a summary.json, or a pipe, which may have no end.
 std::string text_of_file(const std::string& file) {
-    constexpr std::size_t kMaxSize = std::size_t{64} << 20;  // bytes; of a summary.json, too
     std::ifstream stream(file);
     std::string text, part(std::size_t{1} << 16, '\0');
-    while (stream && text.size() <= kMaxSize) {
+    while (stream && text.size() <= kMaxSummarySize) {
         stream.read(part.data(), static_cast<std::streamsize>(part.size()));
         text.append(part, 0, static_cast<std::size_t>(stream.gcount()));
     }
     if (!stream && !stream.eof())
         throw InputError(
             fmt::format("{}: the file cannot be read: {}", file, std::strerror(errno)));
-    if (text.size() > kMaxSize)
+    if (text.size() > kMaxSummarySize)
         throw InputError(file + ": found more than 64 MiB, expected names of options");
     return text;
 }
