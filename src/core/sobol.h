@@ -9,6 +9,12 @@
 // seeds the four numbers of one point are exactly uniform and independent of each other, so an
 // estimator of one point stays as unbiased as with independent numbers, and a mean over points too.
 // What is no longer independent is one point of another.
+//
+// Two blocks of numbers whose points come in the same order would be functions of each other: what
+// reads both would go to another mean in every sample, however many points there are. All blocks
+// but the first two, which nothing reads together, have an order of their own [B20]: the bits of n,
+// those that weigh most first, are hashed in the same way, which maps an aligned run of 2^k points
+// onto another one.
 #pragma once
 
 #include "core/random_packet.h"
@@ -88,14 +94,31 @@ U scramble_reversed(U x, const U& seed) {
     return x ^ (x * 0x8d22f6e6u);
 }
 
+/// Four times 32 random bits of a sample and block.
+template <class U>
+std::array<U, 4> sobol_seeds(RandomKey key, const U& sample, std::uint32_t block,
+                             std::uint32_t number) {
+    return philox4x32(std::array<U, 4>{sample, U{} + number, U{} + block,
+                                       U{} + static_cast<std::uint32_t>(Stream::kScramble)},
+                      {key.seed, static_cast<std::uint32_t>(key.stream)});
+}
+
+/// The blocks whose points come in the order of the sequence; no sample reads both.
+inline constexpr std::uint32_t kSobolBlocksInOrder = 2;
+
+/// The point that comes n-th in a sample and block.
+template <class U>
+U sobol_point(RandomKey key, const U& sample, const U& n, std::uint32_t block) {
+    if (block < kSobolBlocksInOrder) return n;
+    return reverse_bits(scramble_reversed(reverse_bits(n), sobol_seeds(key, sample, block, 1)[0]));
+}
+
 /// Point n, in dimensions 0 to 3, of the sequence of a sample and block: numbers in [0, 1), uniform
 /// and independent over seeds. Other samples, blocks, seeds and streams have independent sequences.
 template <class U>
-auto sobol_uniforms(RandomKey key, const U& sample, const U& n, const U& block) {
-    const U purpose = U{} + static_cast<std::uint32_t>(Stream::kScramble);
-    const auto seeds = philox4x32(std::array<U, 4>{sample, U{}, block, purpose},
-                                  {key.seed, static_cast<std::uint32_t>(key.stream)});
-    const auto x = sobol_reversed<0, 4>(n);
+auto sobol_uniforms(RandomKey key, const U& sample, const U& n, std::uint32_t block) {
+    const auto seeds = sobol_seeds(key, sample, block, 0);
+    const auto x = sobol_reversed<0, 4>(sobol_point(key, sample, n, block));
     std::array<decltype(to_unit_float(n)), 4> u;
     for (std::size_t d = 0; d < 4; ++d)
         u[d] = to_unit_float(reverse_bits(scramble_reversed(x[d], seeds[d])));

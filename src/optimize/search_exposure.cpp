@@ -68,8 +68,8 @@ Moments constant_moments(const SearchFrame& f) {
         const TraceInput input{.scene = &f.view.scene,
                                .textures = f.textures.get(),
                                .key = {f.halves[half].key.seed, Stream::kSearch},
-                               .choice = SurfaceChoice::kConstant,
                                .unknown_bsdfs = f.unknown_bsdfs,
+                               .mixture = f.mixture,
                                .slots = f.slots};
         return render(input, 0, kPasses);
     };

@@ -9,6 +9,8 @@ namespace burnish {
 
 namespace {
 
+static_assert(kSobolBlocksInOrder == kTechniques);  // of the first vertex, whose light adds up
+
 /// Those of one block of a sample and a bounce.
 std::array<Packet, 4> uniforms_of(const TraceInput& input, std::span<const BatchSample> samples,
                                   const PointLanes& points, std::size_t first, Technique technique,
@@ -21,8 +23,7 @@ std::array<Packet, 4> uniforms_of(const TraceInput& input, std::span<const Batch
         film_passes[k] = film_pass(s, input.passes_per_iteration);
     }
     if (input.sequence == Sequence::kSobol)
-        return sobol_uniforms(input.key, pixel, film_passes,
-                              LaneIntegers{} + (bounce * kTechniques + index));
+        return sobol_uniforms(input.key, pixel, film_passes, bounce * kTechniques + index);
     return uniforms(input.key, pixel, iteration, pass * std::uint32_t{kTechniques} + index, bounce);
 }
 

@@ -58,14 +58,14 @@ TEST(Sobol, PointsAreThePublishedOnes) {
 TEST(Sobol, PacketsAgreeWithFloats) {
     const RandomKey key{42, Stream::kCacheA};
     for (std::uint32_t first = 0; first < 4000; first += 41) {
-        LaneIntegers sample, number, block;
+        LaneIntegers sample, number;
         for (std::uint32_t k = 0; k < kLanes; ++k)
-            sample[k] = first * 2654435761u + k, number[k] = (first + 3 * k) << (k % 21),
-            block[k] = k % 2;
+            sample[k] = first * 2654435761u + k, number[k] = (first + 3 * k) << (k % 21);
+        const std::uint32_t block = first % 4;
         const auto packed = sobol_uniforms(key, sample, number, block);
         for (int k = 0; k < kLanes; ++k) {
-            const std::uint32_t s = sample[k], n = number[k], b = block[k];
-            const auto one = sobol_uniforms(key, s, n, b);
+            const std::uint32_t s = sample[k], n = number[k];
+            const auto one = sobol_uniforms(key, s, n, block);
             for (std::size_t c = 0; c < 4; ++c) EXPECT_EQ(get(packed[c], k), one[c]);
         }
     }
@@ -149,6 +149,48 @@ TEST(Sobol, ScrambledPointsStayNets) {
                         EXPECT_EQ(quality(scrambled, a, b, m), quality(plain, a, b, m));
                 }
             }
+}
+
+TEST(Sobol, AnOrderOfItsOwnKeepsAlignedRuns) {
+    const RandomKey key{9, Stream::kCacheA};
+    for (std::uint32_t m = 1; m <= 7; ++m)
+        for (const std::uint32_t begin : {0u, 1u << m, 5u << m}) {
+            std::set<std::uint32_t> points, runs;
+            for (std::uint32_t n = begin; n < begin + (1u << m); ++n) {
+                const std::uint32_t at = sobol_point(key, 3u, n, kSobolBlocksInOrder + m);
+                points.insert(at), runs.insert(at >> m);
+                EXPECT_EQ(sobol_point(key, 3u, n, kSobolBlocksInOrder - 1), n);
+            }
+            EXPECT_EQ(points.size(), 1u << m);
+            EXPECT_EQ(runs.size(), 1u);
+        }
+}
+
+/// How often the first numbers of two blocks lie in the same half, less a half: squared, mean over
+/// samples. Of independent numbers 1 / (4 kPoints).
+double mean_squared_bias(std::uint32_t a, std::uint32_t b) {
+    constexpr std::uint32_t kPoints = 256, kSamples = 2000;
+    const RandomKey key{5, Stream::kCacheA};
+    double sum = 0;
+    for (std::uint32_t sample = 0; sample < kSamples; ++sample) {
+        double same = 0;
+        for (std::uint32_t n = 0; n < kPoints; ++n)
+            same += (sobol_uniforms(key, sample, n, a)[0] < 0.5f) ==
+                    (sobol_uniforms(key, sample, n, b)[0] < 0.5f);
+        const double bias = same / kPoints - 0.5;
+        sum += bias * bias;
+    }
+    return sum / kSamples;
+}
+
+/// The bound is twenty standard deviations above what independent orders have.
+TEST(Sobol, BlocksAreNoFunctionsOfEachOther) {
+    constexpr double kBound = 2.0 / (4 * 256);
+    constexpr std::uint32_t kLast = ~0u;
+    for (const auto& [a, b] : std::initializer_list<std::pair<std::uint32_t, std::uint32_t>>{
+             {0, 2}, {1, 2}, {1, 3}, {2, 3}, {2, 4}, {0, kLast}, {3, kLast}})
+        EXPECT_LT(mean_squared_bias(a, b), kBound) << a << " " << b;
+    EXPECT_EQ(mean_squared_bias(0, 1), 0.25);  // in one order
 }
 
 /// Whether four numbers of each of many seeds fill the cells of a grid evenly.

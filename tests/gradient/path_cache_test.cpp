@@ -340,6 +340,28 @@ TEST(PathCache, ImagesAloneAreThoseOfImagesAndGradients) {
     EXPECT_LT(planned(CacheUse::kImage), planned(CacheUse::kImageAndGradient));
 }
 
+/// One pixel in every tile: its records fill packets, and each tile has lists of its own.
+TEST(PathCache, APlanCountsWhatSparsePixelsTake) {
+    const Scene scene = test::make_strip_scene(256, 4);
+    const Theta theta = test::theta_of(scene);
+    const TracedScene traced = prepare(scene);
+    const Binding binding(traced, theta);
+    std::vector<char> reaching = reaching_pixels(binding);
+    for (std::size_t i = 0; i < reaching.size(); ++i)
+        if (i % kRecordTile != 16 || i / 256 % kRecordTile != 16) reaching[i] = 0;
+    const PathCachePlan planned = plan({}, binding, CacheUse::kImageAndGradient, reaching);
+    ASSERT_GT(planned.pixels, 20u);
+    constexpr std::uint32_t kPasses = 3;
+    PathCacheWorkspace workspace =
+        make_workspace({}, binding, reaching, CacheUse::kImageAndGradient, kAllBands);
+    PathCacheState state;
+    trace_passes({binding, 5}, kPasses, workspace, state);
+    shade({binding, 5}, state, workspace);
+    const std::size_t taken = size_of(state, workspace).bytes;
+    EXPECT_LE(taken, 2 * kPasses * planned.bytes_per_pass);
+    EXPECT_GT(taken, 2 * kPasses * 4 * planned.pixels * bytes_per_record(binding.shaders[0]));
+}
+
 /// An estimator that keeps the samples of its image has the image of a path cache, and derivatives
 /// of its own.
 TEST(PathCache, ServesTheImageOfOtherEstimators) {

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <numeric>
 #include <string>
@@ -58,8 +59,9 @@ double expected_vertices(const Binding& binding, const std::vector<char>& seen) 
            static_cast<double>(std::max<std::size_t>(1, samples.size()));
 }
 
-std::size_t bytes_per_pass(const Binding& binding, CacheUse use, const std::vector<char>& seen,
-                           std::size_t pixels) {
+/// The records of each BSDF in a tile fill whole packets: where tiles see few pixels, or many
+/// BSDFs, that counts.
+std::size_t bytes_per_pass(const Binding& binding, CacheUse use, const std::vector<char>& seen) {
     const auto shaders =
         use == CacheUse::kImage ? without_derivatives(binding.shaders) : binding.shaders;
     const bool bounces = has_bounces(binding.scene());
@@ -68,9 +70,18 @@ std::size_t bytes_per_pass(const Binding& binding, CacheUse use, const std::vect
         if (binding.unknown_bsdfs[i])
             each = std::max(each,
                             bounces ? bytes_per_vertex(shaders[i]) : bytes_per_record(shaders[i]));
-    if (!bounces) return pixels * kTechniques * each;
-    return static_cast<std::size_t>(static_cast<double>(pixels * each) *
-                                    expected_vertices(binding, seen));
+    const double of_pixel = bounces ? expected_vertices(binding, seen) : kTechniques;
+    const auto unknown =
+        static_cast<std::size_t>(std::ranges::count(binding.unknown_bsdfs, char{1}));
+    std::size_t bytes = 0;
+    for (const CacheTile& t : make_cache_tiles(binding.film(), seen)) {
+        const auto records =
+            static_cast<std::size_t>(std::ceil(of_pixel * static_cast<double>(t.pixels.size())));
+        const std::size_t runs = std::max<std::size_t>(1, std::min(unknown, records));
+        bytes += padded(records + (kLanes - 1) * (runs - 1)) * each + sizeof(TileRecords) +
+                 sizeof(RecordMemory) + runs * sizeof(RecordRun);
+    }
+    return bytes;
 }
 
 }  // namespace
@@ -101,7 +112,7 @@ PathCachePlan within(PathCachePlan plan, std::size_t max_bytes) {
 PathCachePlan plan(const PathCache& options, const Binding& binding, CacheUse use,
                    const std::vector<char>& reaching) {
     const auto pixels = static_cast<std::size_t>(std::count(reaching.begin(), reaching.end(), 1));
-    return within({pixels, bytes_per_pass(binding, use, reaching, pixels), options.window},
+    return within({pixels, bytes_per_pass(binding, use, reaching), options.window},
                   options.max_bytes);
 }
 
