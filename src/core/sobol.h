@@ -31,7 +31,7 @@ constexpr U reverse_bits(U x) {
     return ((x & 0x55555555u) << 1) | ((x & 0xaaaaaaaau) >> 1);
 }
 
-inline constexpr std::size_t kSobolDimensions = 6;
+inline constexpr std::size_t kSobolDimensions = 7;
 
 /// What bit k of n adds to x_d(n): word k of dimension d, in reversed bits.
 using SobolDirections = std::array<std::array<std::uint32_t, 32>, kSobolDimensions>;
@@ -42,8 +42,8 @@ constexpr SobolDirections make_sobol_directions() {
         std::uint32_t degree, coefficients;
         std::array<std::uint32_t, 4> m;
     };
-    constexpr Row kRows[] = {
-        {1, 0, {1}}, {2, 1, {1, 3}}, {3, 1, {1, 3, 1}}, {3, 2, {1, 1, 1}}, {4, 1, {1, 1, 3, 3}}};
+    constexpr Row kRows[] = {{1, 0, {1}},       {2, 1, {1, 3}},       {3, 1, {1, 3, 1}},
+                             {3, 2, {1, 1, 1}}, {4, 1, {1, 1, 3, 3}}, {4, 4, {1, 3, 5, 13}}};
     SobolDirections directions{};
     for (std::uint32_t k = 0; k < 32; ++k) directions[0][k] = 1u << (31 - k);
     for (std::size_t d = 1; d < kSobolDimensions; ++d) {
@@ -123,6 +123,13 @@ auto sobol_uniforms(RandomKey key, const U& sample, const U& n, std::uint32_t bl
     for (std::size_t d = 0; d < 4; ++d)
         u[d] = to_unit_float(reverse_bits(scramble_reversed(x[d], seeds[d])));
     return u;
+}
+
+/// A fifth number of the same point: dimension 6, for 4 and 5 are those of the film offset.
+template <class U>
+auto sobol_fifth(RandomKey key, const U& sample, const U& n, std::uint32_t block) {
+    const U x = sobol_reversed<6, 1>(sobol_point(key, sample, n, block))[0];
+    return to_unit_float(reverse_bits(scramble_reversed(x, sobol_seeds(key, sample, block, 2)[0])));
 }
 
 }  // namespace burnish

@@ -9,22 +9,45 @@ namespace burnish {
 
 namespace {
 
-static_assert(kSobolBlocksInOrder == kTechniques);  // of the first vertex, whose light adds up
+/// What names the numbers of sixteen samples.
+struct SampleNames {
+    LaneIntegers pixel, iteration, pass, film_pass;
+};
 
-/// Those of one block of a sample and a bounce.
-std::array<Packet, 4> uniforms_of(const TraceInput& input, std::span<const BatchSample> samples,
-                                  const PointLanes& points, std::size_t first, Technique technique,
-                                  std::uint32_t bounce) {
-    const auto index = static_cast<std::uint32_t>(technique);
-    LaneIntegers pixel, iteration, pass, film_passes;
+SampleNames names_of(const TraceInput& input, std::span<const BatchSample> samples,
+                     const PointLanes& points, std::size_t first) {
+    SampleNames names;
     for (std::size_t k = 0; k < kLanes; ++k) {
         const CameraSample& s = samples[points.sample[first + k]].camera;
-        pixel[k] = s.pixel, iteration[k] = s.iteration, pass[k] = s.pass;
-        film_passes[k] = film_pass(s, input.passes_per_iteration);
+        names.pixel[k] = s.pixel, names.iteration[k] = s.iteration, names.pass[k] = s.pass;
+        names.film_pass[k] = film_pass(s, input.passes_per_iteration);
     }
+    return names;
+}
+
+static_assert(kSobolBlocksInOrder ==
+              kTechniques);  // those of the first vertex, whose light adds up
+
+std::uint32_t sobol_block(Technique technique, std::uint32_t bounce) {
+    return bounce * kTechniques + static_cast<std::uint32_t>(technique);
+}
+
+/// Those of one technique at a bounce.
+std::array<Packet, 4> uniforms_of(const TraceInput& input, const SampleNames& s,
+                                  Technique technique, std::uint32_t bounce) {
     if (input.sequence == Sequence::kSobol)
-        return sobol_uniforms(input.key, pixel, film_passes, bounce * kTechniques + index);
-    return uniforms(input.key, pixel, iteration, pass * std::uint32_t{kTechniques} + index, bounce);
+        return sobol_uniforms(input.key, s.pixel, s.film_pass, sobol_block(technique, bounce));
+    return uniforms(input.key, s.pixel, s.iteration,
+                    s.pass * std::uint32_t{kTechniques} + static_cast<std::uint32_t>(technique),
+                    bounce);
+}
+
+/// A fifth one of the light sample.
+Packet choice_of(const TraceInput& input, const SampleNames& s, std::uint32_t bounce) {
+    if (input.sequence == Sequence::kSobol)
+        return sobol_fifth(input.key, s.pixel, s.film_pass,
+                           sobol_block(Technique::kEmitter, bounce));
+    return uniforms_of(input, s, Technique::kEmitter, bounce + kCandidateNumbers)[0];
 }
 
 /// The lanes behind a kind's last point repeat it.
@@ -228,7 +251,8 @@ void draw_uniforms(const TraceInput& input, std::span<const BatchSample> samples
                    const PointLanes& points, Technique technique, std::uint32_t bounce,
                    std::array<Column, 4>& u) {
     for (std::size_t i = 0; i < points.count; i += kLanes) {
-        const auto drawn = uniforms_of(input, samples, points, i, technique, bounce);
+        const auto drawn =
+            uniforms_of(input, names_of(input, samples, points, i), technique, bounce);
         for (std::size_t k = 0; k < 4; ++k) store(u[k], i, drawn[k]);
     }
 }
@@ -236,9 +260,7 @@ void draw_uniforms(const TraceInput& input, std::span<const BatchSample> samples
 void draw_choice(const TraceInput& input, std::span<const BatchSample> samples,
                  const PointLanes& points, std::uint32_t bounce, Column& u) {
     for (std::size_t i = 0; i < points.count; i += kLanes)
-        store(u, i,
-              uniforms_of(input, samples, points, i, Technique::kEmitter,
-                          bounce + kCandidateNumbers)[0]);
+        store(u, i, choice_of(input, names_of(input, samples, points, i), bounce));
 }
 
 }  // namespace burnish

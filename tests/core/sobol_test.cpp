@@ -37,17 +37,19 @@ TEST(Sobol, PointsAreThePublishedOnes) {
         double at[kSobolDimensions];
     };
     constexpr Published kPoints[] = {
-        {0, {0, 0, 0, 0, 0, 0}},
-        {1, {.5, .5, .5, .5, .5, .5}},
-        {2, {.75, .25, .25, .25, .75, .75}},
-        {3, {.25, .75, .75, .75, .25, .25}},
-        {4, {.375, .375, .625, .875, .375, .125}},
-        {5, {.875, .875, .125, .375, .875, .625}},
-        {6, {.625, .125, .875, .625, .625, .875}},
-        {7, {.125, .625, .375, .125, .125, .375}},
-        {25, {.65625, .65625, .03125, .34375, .34375, .15625}},
-        {100, {.4140625, .2578125, .7734375, .7265625, .8828125, .7421875}},
-        {1000, {.2197265625, .0966796875, .5185546875, .6767578125, .2802734375, .9072265625}}};
+        {0, {0, 0, 0, 0, 0, 0, 0}},
+        {1, {.5, .5, .5, .5, .5, .5, .5}},
+        {2, {.75, .25, .25, .25, .75, .75, .25}},
+        {3, {.25, .75, .75, .75, .25, .25, .75}},
+        {4, {.375, .375, .625, .875, .375, .125, .375}},
+        {5, {.875, .875, .125, .375, .875, .625, .875}},
+        {6, {.625, .125, .875, .625, .625, .875, .125}},
+        {7, {.125, .625, .375, .125, .125, .375, .625}},
+        {25, {.65625, .65625, .03125, .34375, .34375, .15625, .46875}},
+        {100, {.4140625, .2578125, .7734375, .7265625, .8828125, .7421875, .0234375}},
+        {1000,
+         {.2197265625, .0966796875, .5185546875, .6767578125, .2802734375, .9072265625,
+          .0458984375}}};
     for (const auto& [index, at] : kPoints) {
         const Point x = point(index ^ (index >> 1));
         for (std::size_t d = 0; d < kSobolDimensions; ++d)
@@ -63,10 +65,12 @@ TEST(Sobol, PacketsAgreeWithFloats) {
             sample[k] = first * 2654435761u + k, number[k] = (first + 3 * k) << (k % 21);
         const std::uint32_t block = first % 4;
         const auto packed = sobol_uniforms(key, sample, number, block);
+        const auto fifth = sobol_fifth(key, sample, number, block);
         for (int k = 0; k < kLanes; ++k) {
             const std::uint32_t s = sample[k], n = number[k];
             const auto one = sobol_uniforms(key, s, n, block);
             for (std::size_t c = 0; c < 4; ++c) EXPECT_EQ(get(packed[c], k), one[c]);
+            EXPECT_EQ(get(fifth, k), sobol_fifth(key, s, n, block));
         }
     }
 }
@@ -138,7 +142,7 @@ TEST(Sobol, ScrambledPointsStayNets) {
             for (std::uint32_t seed = 0; seed < 8; ++seed) {
                 const auto s = philox4x32(Counter{seed, block, 0, 0}, {m, 0}),
                            more = philox4x32(Counter{seed, block, 1, 0}, {m, 0});
-                const Point seeds{s[0], s[1], s[2], s[3], more[0], more[1]};
+                const Point seeds{s[0], s[1], s[2], s[3], more[0], more[1], more[2]};
                 const auto plain = points_of(block, m), scrambled = points_of(block, m, &seeds);
                 EXPECT_TRUE(is_net(scrambled, 0, 1, m, 0));
                 for (std::size_t a = 0; a < kSobolDimensions; ++a) {
@@ -222,7 +226,10 @@ TEST(Sobol, NumbersAreIndependentOverTheSeeds) {
         EXPECT_TRUE(accepted(kSobol, what, independence_p_value(numbers)));
     };
     compare("first point", [&](std::uint32_t i) { return draw_of(half_a, i, 0, 0); });
-    compare("another point", [&](std::uint32_t i) { return draw_of(half_a, i, kPass, 1); });
+    compare("another point, with its fifth number", [&](std::uint32_t i) {
+        const Numbers u = draw_of(half_a, i, kPass, 1);
+        return Numbers{u[0], u[1], u[2], sobol_fifth(half_a, i, kPass, 1)};
+    });
     compare("techniques", [&](std::uint32_t i) {
         return first_two_of(draw_of(half_a, i, kPass, 0), draw_of(half_a, i, kPass, 1));
     });

@@ -415,6 +415,27 @@ TEST(StartSearch, FindsColorsBesideExposures) {
     EXPECT_LT(distance_of(Solver(problem, {}).texture(0), truth_of(scene, 0)), 0.1);
 }
 
+/// A known wall tells the exposure, with the light that the unknown floor throws on it.
+TEST(StartSearch, FindsExposuresWithLightFromUnknowns) {
+    Principled floor;
+    floor.base_color.texture = {0};
+    floor[PrincipledScalar::kRoughness].constant = 0.8f;
+    Scene scene = floor_scene(floor, {bitmap_of(8, 3, [](int, int, int) { return 0.5f; })});
+    Diffuse gray;
+    gray.reflectance.constant = {0.8f, 0.8f, 0.8f};
+    scene.bsdfs.push_back(gray);
+    scene.materials.push_back({"wall", {2}, {}});
+    scene.shapes.push_back({"wall", make_quad({-1, 1, 0}, {2, 0, 0}, {0, 0, 2}), {2}, {}});
+    scene.max_depth = 5;
+    const auto distance = [&](const Exposure& exposure) {
+        Problem problem = searched_problem(scene, SearchStart{});
+        problem.views[0].exposure = exposure;
+        return distance_of(Solver(problem, {}).texture(0), truth_of(scene, 0));
+    };
+    EXPECT_LT(distance(ExposureFactors{1, 1, 1}), 0.03);
+    EXPECT_LT(distance(FitExposure{}), 0.03);
+}
+
 /// Squares of the picture overflow in single precision, then those of the exposure, too.
 TEST(StartSearch, FindsColorsUnderHugeExposures) {
     Principled floor;

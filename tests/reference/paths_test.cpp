@@ -34,7 +34,7 @@ reference::Numbers numbers_of(const Numbering& n, const PathSample& sample) {
     return {film_offset(n.key, pass, n.sequence),
             sobol_uniforms(n.key, sample.camera.pixel, pass,
                            static_cast<std::uint32_t>(sample.technique)),
-            sobol_uniforms(n.key, sample.camera.pixel, pass, kTechniques * kCandidateNumbers)[0]};
+            sobol_fifth(n.key, sample.camera.pixel, pass, 0)};
 }
 
 /// exact: as they are; else the factors of a path are multiplied in another order.
