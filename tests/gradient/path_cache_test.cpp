@@ -351,15 +351,15 @@ TEST(PathCache, APlanCountsWhatSparsePixelsTake) {
         if (i % kRecordTile != 16 || i / 256 % kRecordTile != 16) reaching[i] = 0;
     const PathCachePlan planned = plan({}, binding, CacheUse::kImageAndGradient, reaching);
     ASSERT_GT(planned.pixels, 20u);
-    constexpr std::uint32_t kPasses = 3;
+    constexpr std::uint32_t kOfHalf = 3;
     PathCacheWorkspace workspace =
         make_workspace({}, binding, reaching, CacheUse::kImageAndGradient, kAllBands);
     PathCacheState state;
-    trace_passes({binding, 5}, kPasses, workspace, state);
+    trace_passes({binding, 5}, kOfHalf, workspace, state);
     shade({binding, 5}, state, workspace);
     const std::size_t taken = size_of(state, workspace).bytes;
-    EXPECT_LE(taken, 2 * kPasses * planned.bytes_per_pass);
-    EXPECT_GT(taken, 2 * kPasses * 4 * planned.pixels * bytes_per_record(binding.shaders[0]));
+    EXPECT_LE(taken, 2 * kOfHalf * planned.bytes_per_pass);
+    EXPECT_GT(taken, 2 * kOfHalf * 4 * planned.pixels * bytes_per_record(binding.shaders[0]));
 }
 
 /// An estimator that keeps the samples of its image has the image of a path cache, and derivatives
