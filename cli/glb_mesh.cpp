@@ -111,11 +111,11 @@ Mesh with_face_normals(const Mesh& shared) {
         const auto corner = [&](std::size_t i) { return to_double(shared.positions[t.vertex[i]]); };
         const Vec3<double> n = cross(corner(1) - corner(0), corner(2) - corner(0));
         const double area = length(n);
-        const auto part = [&](double x) { return static_cast<float>(area > 0 ? x / area : 0.0); };
+        const Vec3f normal = area > 0 ? to_float(n / area) : Vec3f{1, 0, 0};
         const auto first = static_cast<std::uint32_t>(mesh.positions.size());
         for (const std::uint32_t v : t.vertex) {
             mesh.positions.push_back(shared.positions[v]);
-            mesh.normals.push_back({part(n.x), part(n.y), part(n.z)});
+            mesh.normals.push_back(normal);
             if (!shared.uvs.empty()) mesh.uvs.push_back(shared.uvs[v]);
         }
         mesh.triangles.push_back({{first, first + 1, first + 2}});
@@ -123,13 +123,14 @@ Mesh with_face_normals(const Mesh& shared) {
     return mesh;
 }
 
-/// The triangles keep their front under a mirror.
+/// The triangles keep their front under a mirror. Normals of 0 0 0 stay what they are.
 void append(const Mesh& part, const Transform& to_world, Mesh& mesh) {
     const bool mirrors = determinant3(to_world) < 0;
     const Transform to_local = inverse(to_world);
     const auto first = static_cast<std::uint32_t>(mesh.positions.size());
     for (const Vec3f& p : part.positions) mesh.positions.push_back(transform_point(to_world, p));
-    for (const Vec3f& n : part.normals) mesh.normals.push_back(transform_normal(to_local, n));
+    for (const Vec3f& n : part.normals)
+        mesh.normals.push_back(n == Vec3f{} ? n : transform_normal(to_local, n));
     mesh.uvs.insert(mesh.uvs.end(), part.uvs.begin(), part.uvs.end());
     for (Triangle t : part.triangles) {
         for (std::uint32_t& v : t.vertex) v += first;

@@ -304,18 +304,23 @@ TEST_F(NewSceneTest, APrimitiveOfAGlbWithoutNormalsHasFlatFaces) {
     }
 }
 
-TEST_F(NewSceneTest, APrimitiveOfAGlbKeepsItsNormalsBesideOneWithoutThem) {
-    Gltf gltf;
-    const int normals = gltf.data.add<float>(
-        {0.6f, 0, 0.8f, 0, 0, 1, 0, 0.28f, 0.96f, 0.6f, 0, 0.8f, 0, 0.28f, 0.96f, 0, 1, 0});
+/// Three numbers for each of its six vertices.
+void add_normals(const std::vector<float>& normals, Gltf& gltf) {
+    const int view = gltf.data.add(normals);
     Document& document = gltf.document;
     document["bufferViews"] = gltf.data.views;
     document["buffers"][0]["byteLength"] = gltf.data.bytes.size();
     document["accessors"].push_back(
-        {{"bufferView", normals}, {"componentType", 5126}, {"count", 6}, {"type", "VEC3"}});
-    Document& primitives = document["meshes"][0]["primitives"];
+        {{"bufferView", view}, {"componentType", 5126}, {"count", 6}, {"type", "VEC3"}});
+    document["meshes"][0]["primitives"][0]["attributes"]["NORMAL"] = 3;
+}
+
+TEST_F(NewSceneTest, APrimitiveOfAGlbKeepsItsNormalsBesideOneWithoutThem) {
+    Gltf gltf;
+    Document& primitives = gltf.document["meshes"][0]["primitives"];
     const Document without = primitives[0];
-    primitives[0]["attributes"]["NORMAL"] = 3;
+    add_normals({0.6f, 0, 0.8f, 0, 0, 1, 0, 0.28f, 0.96f, 0.6f, 0, 0.8f, 0, 0.28f, 0.96f, 0, 1, 0},
+                gltf);
     write_text(glb, gltf.bytes());
     const std::vector<Vec3f> expected = read_mesh(glb).mesh.normals;
     ASSERT_EQ(expected.size(), 6u);
@@ -326,6 +331,38 @@ TEST_F(NewSceneTest, APrimitiveOfAGlbKeepsItsNormalsBesideOneWithoutThem) {
     ASSERT_EQ(found.size(), 12u);
     for (std::size_t i = 0; i < 6; ++i) EXPECT_EQ(length(found[i] - expected[i]), 0) << i;
     for (std::size_t i = 6; i < 12; ++i) EXPECT_EQ(length(found[i] - Vec3f{0, 0, 1}), 0) << i;
+}
+
+TEST_F(NewSceneTest, NormalsOf000AreThoseOfTheFacesAroundAndAreCounted) {
+    const std::vector<std::string> counted{
+        "1 vertex has the normal 0 0 0: computed from the faces around"};
+    const auto expect = [&](const fs::path& file) {
+        const FoundMesh read = read_mesh(file);
+        EXPECT_EQ(read.notes, counted) << file;
+        for (const Vec3f& n : read.mesh.normals)
+            EXPECT_EQ(length(n - Vec3f{0, 0, 1}), 0) << file << n.x;
+    };
+    write_text(obj,
+               "v 0 0 0\nv 2 0 0\nv 2 1 0\nvt 0 0\nvn 0 0 1\nvn 0 0 0\n"
+               "f 1/1/1 2/1/2 3/1/1\n");
+    expect(obj);
+    Gltf gltf;
+    add_normals({0, 0, 1, 0, 0, 0, 0, 0, 1, 0, 0, 1, 0, 0, 1, 0, 0, 1}, gltf);
+    for (const float mirror : {1.0f, -1.0f}) {
+        gltf.document["nodes"][1]["scale"] = {mirror, 1, 1};
+        write_text(glb, gltf.bytes());
+        expect(glb);
+    }
+}
+
+TEST_F(NewSceneTest, FacesOfAGlbWithoutAreaHaveNoNormalsToCount) {
+    Gltf gltf;
+    char* begin = gltf.data.bytes.data();
+    std::memcpy(begin + 12, begin, 12);  // of the first triangle two corners are one
+    write_text(glb, gltf.bytes());
+    const FoundMesh read = read_mesh(glb);
+    EXPECT_EQ(read.notes, std::vector<std::string>{});
+    for (const Vec3f& n : read.mesh.normals) EXPECT_NEAR(length(n), 1, 1e-6);
 }
 
 /// `text` with another part in the place of one that it has.
