@@ -233,11 +233,13 @@ void add_color(ScriptMaterial& m, const ColorInput& input, const Rgbf& times = k
     m.inputs["Base Color"] = value;
 }
 
+/// A value is clamped to [0, 1], as in model.glb.
 void add_scalar(ScriptMaterial& m, const ScalarInput& input, const BlenderInput& to) {
     ScriptJson value = input.texture ? texture_of(m, input.texture, false)
                                      : ScriptJson(few_digits(input.constant));
     if (value.is_number()) {
-        value = std::pow(to.scale * value.get<double>() + to.offset, to.power);
+        const double x = std::clamp(value.get<double>(), 0.0, 1.0);
+        value = std::pow(to.scale * x + to.offset, to.power);
     } else if (!value.is_null()) {
         value["scale"] = to.scale;
         value["offset"] = to.offset;

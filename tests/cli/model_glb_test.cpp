@@ -521,6 +521,28 @@ TEST_F(Deliverables, TheSheenOfTheScriptIsOfThePartThatIsNoMetal) {
     }
 }
 
+/// 0.1 - 0.099 of a gloss above 1.01 is negative, and has no root.
+TEST_F(Deliverables, ValuesOfTheScriptAreClamped) {
+    write_scene();
+    std::string scene = testing::read_text(folder / "scene.xml");
+    const std::string before = "<bsdf type=\"principled\">";
+    scene.insert(scene.find(before) + before.size(),
+                 "<float name=\"metallic\" value=\"-0.2\"/><float name=\"sheen\" value=\"3\"/>"
+                 "<float name=\"clearcoat\" value=\"1\"/>"
+                 "<float name=\"clearcoat_gloss\" value=\"1.05\"/>");
+    testing::write_text(folder / "scene.xml", scene);
+    const testing::Outcome done =
+        run("optimize scene.xml --parameter mat-panel.roughness --iterations 1 --target-spp 1 "
+            "--evaluation-spp 1 -o out");
+    ASSERT_EQ(done.code, 0) << done.err;
+    const Json inputs =
+        materials_of(testing::read_text(folder / "out/import_into_blender.py"))["mat-panel"];
+    ASSERT_TRUE(inputs["Coat Roughness"].is_number()) << inputs;
+    EXPECT_NEAR(inputs["Coat Roughness"].get<double>(), std::sqrt(0.001), 1e-6);
+    EXPECT_EQ(inputs["Metallic"], 0.0);
+    EXPECT_EQ(inputs["Sheen Weight"], 1.0);
+}
+
 TEST_F(Deliverables, AMetalOfTheScriptHasItsColour) {
     write_scene();
     const std::string before = testing::read_text(folder / "scene.xml");
