@@ -8,6 +8,7 @@
 #include "burnish/error.h"
 #include "cli/commands.h"
 #include "cli/console.h"
+#include "cli/interrupt.h"
 #include "cli/option_text.h"
 #include "cli/progress.h"
 #include "cli/scene_input.h"
@@ -107,7 +108,10 @@ void run(const GradientCommandOptions& options) {
     ContributionCounts counts;
     const Image gradient =
         estimate(options, Binding(renderer.data().traced, theta), adjoint, counts);
-    write_image(options.output, gradient);
+    {
+        const WholeStep whole;  // a signal leaves no unfinished file
+        write_image(options.output, gradient);
+    }
     log_counts(counts, p.name, theta, renderer.data().traced.film);
     log_info(fmt::format("{}: the derivative by {}, {} x {} texels", options.output, p.name,
                          gradient.width, gradient.height));

@@ -9,6 +9,7 @@
 #include "burnish/error.h"
 #include "cli/commands.h"
 #include "cli/console.h"
+#include "cli/interrupt.h"
 #include "cli/option_text.h"
 #include "cli/scene_input.h"
 #include "core/parallel.h"
@@ -82,7 +83,10 @@ void run(const RenderOptions& options) {
         render_with_progress(renderer, {options.scene.seed, Stream::kImage}, samples, "rendering"),
         renderer, options, samples);
     require_finite(image, "the image", "lights of the scene are too bright for single precision");
-    write_image(options.output, image);
+    {
+        const WholeStep whole;  // a signal leaves no unfinished file
+        write_image(options.output, image);
+    }
     log_info(fmt::format("{}: {} x {} pixels, {} per pixel, {}", options.output, image.width,
                          image.height, count_text(samples, "sample"),
                          duration_text(watch.total())));

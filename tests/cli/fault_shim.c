@@ -4,6 +4,7 @@
  *   BURNISH_FAULT_NUMBER   n, from 1
  *   BURNISH_FAULT_ERROR    the errno; 0: a write of half of the bytes, which says so; -1: the program is killed, in a
  *                          write after half of the bytes
+ *   BURNISH_FAULT_SIGNAL   in place of an error: a signal that comes before the n-th call, which waits for 0.3 s
  *   BURNISH_FAULT_ALWAYS   set: and all calls after it
  *   BURNISH_FAULT_MEMORY_AFTER  so many checkpoints: then memory ends once, for an allocation of 64 KiB or
  *                          more: images, not the buffers of the system's library
@@ -78,7 +79,11 @@ static int fails(void) {
         const long file = syscall(SYS_openat, AT_FDCWD, log, O_CREAT | O_WRONLY, 0600);
         if (file >= 0) syscall(SYS_close, file);
     }
-    return 1;
+    const char* comes = getenv("BURNISH_FAULT_SIGNAL");
+    if (!comes) return 1;
+    kill(getpid(), atoi(comes));
+    usleep(300000);
+    return 0;
 }
 
 static int error_number(void) { return atoi(getenv("BURNISH_FAULT_ERROR")); }

@@ -8,6 +8,7 @@
 #include <random>
 
 #include "cli/program.h"
+#include "image/files.h"
 
 namespace burnish {
 namespace {
@@ -303,6 +304,27 @@ TEST_F(Injected, KilledInTheWriterItLosesNoCheckpoint) {
         EXPECT_GE(expect_same_files(folder / "whole", folder / "out"), 6u);
         fs::remove_all(folder / "out");
     }
+}
+
+/// The calls are: as a trial before the work, and to write the image, to open a file; a write of
+/// its content, a sync, a rename.
+TEST_F(Injected, ASignalLeavesNoUnfinishedImage) {
+    ASSERT_EQ(run("render scene.xml --spp 1 -o adjoint.exr").code, 0);
+    for (const std::string command :
+         {"render scene.xml --spp 1",
+          "gradient scene.xml --spp 1 --parameter base_color --adjoint adjoint.exr"})
+        for (const int call : {3, 5}) {
+            fs::remove(folder / "image.exr"), fs::remove(folder / "fired");
+            shell(fmt::format(
+                "BURNISH_FAULT_FOLDER=image.exr BURNISH_FAULT_NUMBER={} BURNISH_FAULT_SIGNAL={} "
+                "BURNISH_FAULT_LOG=fired LD_PRELOAD=" BURNISH_FAULT_SHIM " '" BURNISH_BINARY
+                "' {} -o image.exr",
+                call, SIGINT, command));
+            EXPECT_TRUE(fs::exists(folder / "fired"));
+            EXPECT_TRUE(fs::exists(folder / "image.exr")) << command;
+            for (const fs::path& file : entries_of(folder))
+                EXPECT_FALSE(is_temporary(file)) << command << ": " << file;
+        }
 }
 
 TEST_F(Injected, WhereMemoryEndsTheRunGoesOn) {
