@@ -12,6 +12,7 @@
 #include "core/at_place.h"
 #include "core/positive_float.h"
 #include "core/transform.h"
+#include "image/files.h"
 #include "image/image.h"
 #include "image/texels.h"
 #include "image/whole.h"
@@ -187,6 +188,8 @@ std::string definition_of(const Value& v) {
 }
 
 }  // namespace
+
+bool is_capture(const std::filesystem::path& file) { return lower_extension(file) == ".json"; }
 
 Capture read_capture(const std::string& file) {
     const json document = parse_json(file, "a capture");

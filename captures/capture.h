@@ -30,8 +30,8 @@ struct Capture {
     std::vector<CapturedView> views;
 };
 
-/// Whether a file is read as a capture: by its name.
-inline bool is_capture(const std::filesystem::path& file) { return file.extension() == ".json"; }
+/// Whether a file is read as a capture: by its name, which ends in .json, also in capitals.
+bool is_capture(const std::filesystem::path& file);
 
 /// Throws InputError: file, key, what was found and what was expected. Environments are read,
 /// images and masks are not.

@@ -21,7 +21,7 @@ std::vector<CapturedView> read_views(const std::string& views, const std::string
         }
         return read_colmap(views, images);
     }
-    if (std::filesystem::path(views).extension() != ".json")
+    if (lower_extension(views) != ".json")
         throw InputError(fmt::format(
             "{}: {}expected the folder of a COLMAP reconstruction, or a transforms.json", views,
             std::filesystem::exists(status) ? "" : "no such file or folder, "));

@@ -451,6 +451,14 @@ TEST_F(CaptureTest, InfoListsItsViews) {
     EXPECT_EQ(json["sensors"][0]["id"], "sensor_0");
 }
 
+TEST_F(CaptureTest, ItsNameMayEndInCapitals) {
+    write_scene();
+    write_text(folder / "CAPTURE.JSON", kThree);
+    const Outcome info = run("info CAPTURE.JSON");
+    EXPECT_EQ(info.code, 0) << info.err;
+    EXPECT_TRUE(contains(info.out, "aside            test     18 x 18")) << info.out;
+}
+
 /// As a run gives them: a sensor has the size of its picture, also where the light is out.
 TEST_F(CaptureTest, InfoListsTheSizesOfPictures) {
     write_scene();

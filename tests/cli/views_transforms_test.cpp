@@ -7,6 +7,7 @@
 #include "burnish/error.h"
 #include "burnish/renderer.h"
 #include "captures/pictures.h"
+#include "captures/views.h"
 #include "cli/program.h"
 #include "core/random.h"
 #include "error_of.h"
@@ -74,6 +75,12 @@ TEST_F(Transforms, SayWhatTheirViewsAre) {
     const auto elsewhere = read(one_frame(R"(, "w": 6, "h": 5, "fl_y": 7)"), "pictures");
     EXPECT_EQ(elsewhere[0].image, (fs::path("pictures") / "a.exr").string());
     EXPECT_EQ(frame_camera(elsewhere[0]).focal_x, 7);
+}
+
+TEST_F(Transforms, TheirNameMayEndInCapitals) {
+    const fs::path capitals = folder / "TRANSFORMS.JSON";
+    write_text(capitals, one_frame(R"(, "w": 6, "h": 5, "fl_y": 7)"));
+    EXPECT_EQ(read_views(capitals.string(), "").size(), 1u);
 }
 
 /// Of a frame before those of the file, whatever they are; lengths before angles beside them.
