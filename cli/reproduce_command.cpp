@@ -208,11 +208,10 @@ void write_results(const Reproduction& run, OutputFolder& output) {
     move_into_place(output);
 }
 
-/// The wanted scenes, where an experiment needs any.
-std::vector<KnownTarget> find_targets(const CommandLine& line) {
-    const bool any_needs = std::ranges::any_of(
+/// Whether an experiment that is wanted takes scenes.
+bool any_takes_scenes(const CommandLine& line) {
+    return std::ranges::any_of(
         experiments(), [&](const Experiment& e) { return is_wanted(line, e) && e.max_scenes > 0; });
-    return any_needs ? find_known_scenes(line) : std::vector<KnownTarget>{};
 }
 
 /// Every wanted experiment with its scenes, or with all that are named, experiment by experiment.
@@ -240,16 +239,28 @@ void check_parts(const CommandLine& line) {
         const auto [scene, experiment] = split_part(part);
         check_names("scene", {scene}, std::span<const KnownScene>(kScenes));
         check_names("experiment", {experiment}, experiments());
+        if (std::ranges::find(experiments(), experiment, &Experiment::name)->max_scenes == 0)
+            throw UsageError(
+                fmt::format("--only {0}: {1} takes no scene: `burnish reproduce {1}` makes it",
+                            part, experiment));
         if (!agrees(line.scene_names, scene) || !agrees(line.names, experiment))
             throw UsageError(fmt::format(
                 "--only {}: expected a part of the experiments and scenes that are named", part));
     }
 }
 
+/// Refuses scenes that nothing takes.
+void check_scenes(const CommandLine& line) {
+    if (!any_takes_scenes(line) && !(line.scene_names.empty() && line.scenes.empty()))
+        throw UsageError(
+            "--scene and --scenes have no effect: the experiments that are named take no scene");
+}
+
 void reproduce(const CommandLine& line) {
     check_names("experiment", line.names, experiments());
     check_names("scene", line.scene_names, std::span<const KnownScene>(kScenes));
     check_parts(line);
+    check_scenes(line);
     const ReproduceOptions r = settings_of(line);
     OutputFolder output =
         open_output_folder(line.output, line.force ? Found::kAllowed : Found::kRefused);
@@ -258,7 +269,8 @@ void reproduce(const CommandLine& line) {
     const ThreadLimit threads(line.threads);
     const Machine machine = machine_of(line.threads);
     const InterruptGuard guard;
-    const std::vector<KnownTarget> targets = find_targets(line);
+    const std::vector<KnownTarget> targets =
+        any_takes_scenes(line) ? find_known_scenes(line) : std::vector<KnownTarget>{};
     std::vector<Part> parts = wanted_parts(line, targets);
     const KeptResults kept = keep_results(kept_folder(line.output));
     if (std::filesystem::exists(kept.folder))

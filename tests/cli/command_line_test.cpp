@@ -807,6 +807,13 @@ TEST_F(CommandLine, BadInvocationsSayWhatIsWrong) {
          "--only goblet/inverse: expected a part of the experiments and scenes that are named"},
         {"reproduce --scene tyre --only goblet/inverse -o r", 2,
          "--only goblet/inverse: expected a part of the experiments and scenes that are named"},
+        {"reproduce --only goblet/positivization -o r", 2,
+         "--only goblet/positivization: positivization takes no scene: `burnish reproduce "
+         "positivization` makes it"},
+        {"reproduce positivization --scene goblet -o r", 2,
+         "--scene and --scenes have no effect: the experiments that are named take no scene"},
+        {"reproduce positivization --scenes nowhere -o r", 2,
+         "--scene and --scenes have no effect: the experiments that are named take no scene"},
         {"gradient scene.xml --parameter mat-panel --adjoint gray.exr -o g.exr", 65,
          "'mat-panel' is ambiguous, it matches: mat-panel.brdf_0.base_color.data, "
          "mat-panel.brdf_0.roughness.data"},
