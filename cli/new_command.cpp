@@ -4,6 +4,7 @@
 
 #include <CLI/App.hpp>
 
+#include "burnish/error.h"
 #include "cli/commands.h"
 #include "cli/console.h"
 #include "cli/new_scene.h"
@@ -70,7 +71,12 @@ void add_new_command(CLI::App& app) {
             },
             ""))
         ->capture_default_str();
-    command->callback([options] { run(*options); });
+    command->callback([options, command] {
+        if (command->count("--up") > 0 && !options->views.empty() &&
+            options->scene.environment.empty())
+            throw UsageError("--up has no effect with --views: it needs --environment");
+        run(*options);
+    });
 }
 
 }  // namespace burnish

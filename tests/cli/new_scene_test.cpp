@@ -721,6 +721,8 @@ TEST_F(NewSceneTest, RefusesWhatItCannotUseAndLeavesNothing) {
         {"--mesh model.obj --environment bad.hdr -o out", "burnish: bad.hdr: "},
         {"--mesh model.obj -o out --texture-size 0", "--texture-size"},
         {"--mesh model.obj -o out --up x", "--up: expected y or z, found 'x'"},
+        {"--mesh model.obj -o out --views transforms.json --up z",
+         "--up has no effect with --views: it needs --environment"},
         {"-o out", "--mesh"}};
     for (const auto& [arguments, text] : cases) {
         const Outcome outcome = run("new " + arguments);
