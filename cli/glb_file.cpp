@@ -5,11 +5,11 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
-#include <cstring>
 #include <limits>
 #include <type_traits>
 
 #include "burnish/error.h"
+#include "core/bytes.h"
 #include "image/files.h"
 #include "models/gltf_numbers.h"
 
@@ -21,22 +21,14 @@ namespace {
     throw InputError(fmt::format("{}: byte offset {}: {}", glb.name, offset, what));
 }
 
-template <class Number>
-Number number_at(std::string_view bytes, std::size_t offset) {
-    static_assert(std::endian::native == std::endian::little);
-    Number value;
-    std::memcpy(&value, bytes.data() + offset, sizeof(Number));
-    return value;
-}
-
 /// The content of the chunk at an offset, which moves behind it.
 std::string_view read_chunk(const Glb& glb, std::uint32_t type, const char* what,
                             std::size_t& offset) {
     if (glb.bytes.size() - offset < 8)
         fail_at(glb, offset,
                 fmt::format("the file ends too early, expected the chunk of its {}", what));
-    const auto length = number_at<std::uint32_t>(glb.bytes, offset);
-    const auto found = number_at<std::uint32_t>(glb.bytes, offset + 4);
+    const std::uint64_t length = number_at(glb.bytes, offset, 4);
+    const std::uint64_t found = number_at(glb.bytes, offset + 4, 4);
     if (found != type)
         fail_at(glb, offset + 4,
                 fmt::format("found a chunk of type {:#x}, expected that of its {}", found, what));
@@ -45,7 +37,7 @@ std::string_view read_chunk(const Glb& glb, std::uint32_t type, const char* what
                 fmt::format("found a chunk of {} bytes, but {} follow", length,
                             glb.bytes.size() - offset - 8));
     const std::string_view content = std::string_view(glb.bytes).substr(offset + 8, length);
-    offset += 8 + std::size_t{length};
+    offset += 8 + length;
     return content;
 }
 
@@ -69,9 +61,9 @@ std::size_t size_of_component(const Value& v) {
 
 Glb open_glb(const std::filesystem::path& file) {
     Glb glb{file.string(), read_bytes(file), {}};
-    if (glb.bytes.size() < 12 || number_at<std::uint32_t>(glb.bytes, 0) != gltf::kMagic)
+    if (glb.bytes.size() < 12 || number_at(glb.bytes, 0, 4) != gltf::kMagic)
         fail_at(glb, 0, "found no binary glTF, expected the letters glTF");
-    if (const auto version = number_at<std::uint32_t>(glb.bytes, 4); version != 2)
+    if (const std::uint64_t version = number_at(glb.bytes, 4, 4); version != 2)
         fail_at(glb, 4, fmt::format("found version {}, expected 2", version));
     std::size_t offset = 12;
     const std::string_view text = read_chunk(glb, gltf::kJsonChunk, "JSON", offset);
@@ -144,10 +136,15 @@ Accessor accessor(const Glb& glb, const Value& index, const std::string& type,
 
 double component(const Accessor& a, std::size_t i, std::size_t c) {
     const auto read = [&]<class Number>(Number) -> double {
-        const double v = number_at<Number>(a.bytes, i * a.stride + c * sizeof(Number));
-        if constexpr (std::is_integral_v<Number>)
-            if (a.normalized) return std::max(-1.0, v / double{std::numeric_limits<Number>::max()});
-        return v;
+        const std::uint64_t bits =
+            number_at(a.bytes, i * a.stride + c * sizeof(Number), sizeof(Number));
+        if constexpr (std::is_floating_point_v<Number>) {
+            return std::bit_cast<Number>(static_cast<std::uint32_t>(bits));
+        } else {
+            const double v = static_cast<Number>(bits);
+            if (!a.normalized) return v;
+            return std::max(-1.0, v / double{std::numeric_limits<Number>::max()});
+        }
     };
     switch (a.type) {
         case gltf::kInt8:

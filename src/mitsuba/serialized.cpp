@@ -5,11 +5,11 @@
 
 #include <bit>
 #include <cmath>
-#include <cstring>
 #include <string>
 #include <string_view>
 
 #include "burnish/error.h"
+#include "core/bytes.h"
 #include "image/files.h"
 
 namespace burnish::mitsuba {
@@ -25,14 +25,6 @@ constexpr std::uint32_t kNormals = 1, kUvs = 2, kColors = 8, kDouble = 0x2000;
     throw InputError(fmt::format("{}: damaged serialized mesh: {}", name, what));
 }
 
-template <class T>
-T number_at(const std::string& name, std::string_view bytes, std::size_t at) {
-    if (at > bytes.size() || bytes.size() - at < sizeof(T)) fail(name, "the file ends too early");
-    T value;
-    std::memcpy(&value, bytes.data() + at, sizeof(T));
-    return value;
-}
-
 /// Where a mesh lies.
 struct Extent {
     std::size_t begin = 0, end = 0;
@@ -41,27 +33,25 @@ struct Extent {
 
 Extent find_mesh(const std::string& name, std::string_view bytes, std::size_t index) {
     const auto version_at = [&](std::size_t at) {
-        const auto magic = number_at<std::uint16_t>(name, bytes, at),
-                   version = number_at<std::uint16_t>(name, bytes, at + 2);
+        const std::uint64_t magic = number_at(bytes, at, 2), version = number_at(bytes, at + 2, 2);
         if (magic != kMagic || (version != 3 && version != 4))
             fail(name, fmt::format("found the signature {:#06x} of version {}, expected {:#06x} of "
                                    "version 3 or 4",
                                    magic, version, kMagic));
         return static_cast<int>(version);
     };
+    if (bytes.size() < 4) fail(name, "the file ends too early");
     const std::size_t width = version_at(0) == 4 ? 8 : 4;
     const std::size_t tail = bytes.size() - sizeof(std::uint32_t);
-    const auto count = std::size_t{number_at<std::uint32_t>(name, bytes, tail)};
+    const std::size_t count = number_at(bytes, tail, 4);
     if (count == 0 || count > tail / width)
         fail(name, "its list of meshes is longer than the file");
     const std::size_t list = tail - count * width;
     if (index >= count)
         throw InputError(fmt::format("{}: there is no mesh {}, expected one from 0 to {}", name,
                                      index, count - 1));
-    const auto begin_of = [&](std::size_t i) {
-        return width == 8 ? static_cast<std::size_t>(
-                                number_at<std::uint64_t>(name, bytes, list + i * width))
-                          : number_at<std::uint32_t>(name, bytes, list + i * width);
+    const auto begin_of = [&](std::size_t i) -> std::size_t {
+        return number_at(bytes, list + i * width, width);
     };
     Extent extent{begin_of(index), index + 1 < count ? begin_of(index + 1) : list, 0};
     if (extent.begin > list || extent.end > list || extent.end < extent.begin ||
