@@ -112,6 +112,7 @@ int run_command_line(int argc, char** argv, JoinedProcess* process) {
     if (!process) return run_command(argc, argv, {});
     const Ranks ranks = process->join();
     if (is_first(ranks)) return run_command(argc, argv, ranks);
+    ignore_interrupts();
     be_quiet();
     const std::string_view command = argc > 1 ? argv[1] : "";
     if (command != "optimize" && command != "batch") return kDone;  // the first does it alone

@@ -16,6 +16,7 @@ namespace {
 struct Watch {
     std::recursive_mutex mutex;  ///< guards the rest
     std::function<void()> clean_up;
+    bool ignores_interrupts = false;
     int guards = 0;
     int came = 0;  ///< the signal that came while a guard lived
     std::chrono::steady_clock::time_point came_at = {};
@@ -74,6 +75,7 @@ void wait_for_signals() {
     while (sigwait(&set, &signal) == 0) {
         Watch& w = watch();
         const std::lock_guard lock(w.mutex);
+        if (signal == SIGINT && w.ignores_interrupts) continue;
         if (is_repetition(w, signal)) continue;
         const bool ends_now = w.on_disk == OnDisk::kAll && signal != SIGINT;
         const bool may_wait = w.on_disk == OnDisk::kResults || (w.guards > 0 && !ends_now);
@@ -94,6 +96,11 @@ void watch_signals() {
     std::signal(SIGPIPE, SIG_IGN);
     std::signal(SIGXFSZ, SIG_IGN);  // a write beyond `ulimit -f` fails instead
     std::thread(wait_for_signals).detach();
+}
+
+void ignore_interrupts() {
+    const std::lock_guard lock(watch().mutex);
+    watch().ignores_interrupts = true;
 }
 
 CleanUp::CleanUp(std::function<void()> body) : body_(std::move(body)) {

@@ -16,6 +16,8 @@ namespace burnish {
 /// does not end the program, nor does a file that has become too large: SIGPIPE and SIGXFSZ are
 /// ignored. Throws std::system_error where the system has no thread.
 void watch_signals();
+/// From now on SIGINT does nothing: of several processes the first one alone is asked by it.
+void ignore_interrupts();
 
 /// What is done once: when it is destroyed, or before a signal ends the program. While it is done
 /// no signal ends the program. One at a time holds something to do.

@@ -185,6 +185,33 @@ TEST_F(Mpi, ADeadProcessEndsTheJobWithinSecondsAndTheRunGoesOn) {
     expect_same("whole", "out");
 }
 
+TEST_F(Mpi, AnInterruptCountsAtTheFirstProcessAlone) {
+    const pid_t launcher = start_on(2, few_views(1, "-o out", kEndless));
+    const auto tells_more_than = [&](std::ptrdiff_t count) {
+        return wait_for([&] { return iterations_told("out") > count; });
+    };
+    EXPECT_TRUE(tells_more_than(0)) << read_text(folder / ".err");
+    const std::vector<pid_t> processes = processes_of(launcher, 2);
+    if (processes[1] == 0) {
+        kill(launcher, SIGTERM);
+        waitpid(launcher, nullptr, 0);
+        GTEST_SKIP() << "the launcher's processes are not its children";
+    }
+    kill(processes[1], SIGINT);
+    EXPECT_TRUE(tells_more_than(iterations_told("out") + 1)) << "it goes on";
+    kill(processes[1], SIGTERM);  // the first signal that counts
+    const int status = end_of(launcher);
+    EXPECT_TRUE(WIFEXITED(status) && WEXITSTATUS(status) == 75)
+        << status << read_text(folder / ".err");
+    wait_for_end(processes);
+    ASSERT_TRUE(has_checkpoint("out"));
+    EXPECT_FALSE(fs::exists(lock_of("out").parent_path()));
+    const Outcome resumed = run_on(
+        2,
+        fmt::format("optimize --threads 1 --resume out --iterations {}", iterations_beyond("out")));
+    EXPECT_EQ(resumed.code, 0) << resumed.err;
+}
+
 TEST_F(Mpi, ARunOfSeveralGoesOnAloneAndTheOtherWayRound) {
     const pid_t alone = start(quick("--checkpoint-every 0.001 -o out", kEndless));
     EXPECT_TRUE(wait_for([&] { return has_checkpoint("out"); }));
