@@ -88,8 +88,11 @@ def test_more_processes_than_views_are_refused(scene, tmp_path):
     assert done.returncode != 0 and "InputError" in done.stderr
 
 
-def test_messages_longer_than_a_part_arrive(monkeypatch):
-    import burnish.mpi
-
-    monkeypatch.setattr(burnish.mpi, "_MAX_PART", 3)
-    assert b"".join(burnish.mpi._parts(b"0123456789")) == b"0123456789"
+def test_messages_longer_than_a_part_arrive(scene, alone, tmp_path):
+    code = PROGRAM.replace("import burnish.mpi\n", "import burnish.mpi; burnish.mpi._MAX_PART = 1000\n")
+    assert code != PROGRAM
+    done = run([MPIEXEC, "-n", "2"], code, scene, tmp_path / "result.npz", 2)
+    assert done.returncode == 0, done.stderr
+    result = np.load(tmp_path / "result.npz")
+    assert (result["texture"] == alone["texture"]).all()
+    assert (result["losses"] == alone["losses"]).all()
