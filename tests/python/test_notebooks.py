@@ -1,32 +1,16 @@
-"""The notebooks of the guide run, and hold their outputs with pictures."""
-import importlib.util
+"""The notebooks of the guide run, and hold their outputs with pictures. test_beside_mitsuba.py runs the one that needs Mitsuba."""
 import json
-import os
-import pathlib
 
 import pytest
 
-import burnish
+from conftest import NOTEBOOK_FOLDER as FOLDER, run_notebook
 
-FOLDER = pathlib.Path(__file__).resolve().parents[2] / "docs" / "guide" / "notebooks"
 NOTEBOOKS = sorted(FOLDER.glob("*.ipynb"))
 
 
-def has_mitsuba():
-    return importlib.util.find_spec("mitsuba") is not None
-
-
-@pytest.mark.parametrize("file", NOTEBOOKS, ids=lambda f: f.stem)
+@pytest.mark.parametrize("file", [f for f in NOTEBOOKS if f.stem != "beside_mitsuba"], ids=lambda f: f.stem)
 def test_a_notebook_runs(file):
-    nbformat = pytest.importorskip("nbformat", reason="nbformat is not installed")
-    nbclient = pytest.importorskip("nbclient", reason="nbclient is not installed")
-    pytest.importorskip("ipykernel", reason="ipykernel is not installed")
-    if file.stem == "beside_mitsuba" and not has_mitsuba():
-        pytest.skip("Mitsuba is not installed")
-    notebook = nbformat.read(file, as_version=4)
-    with_package = os.pathsep.join([str(pathlib.Path(burnish.__file__).parents[1]), os.environ.get("PYTHONPATH", "")])
-    client = nbclient.NotebookClient(notebook, timeout=300, resources={"metadata": {"path": file.parent}})
-    client.execute(env={**os.environ, "PYTHONPATH": with_package})
+    run_notebook(file)
 
 
 @pytest.mark.parametrize("file", NOTEBOOKS, ids=lambda f: f.stem)

@@ -1,48 +1,15 @@
-"""burnish.torch, and the examples; what needs PyTorch is skipped without it."""
-import pathlib
-import re
-import subprocess
-import sys
-
+"""burnish.torch, and the examples that use it; skipped without PyTorch."""
 import numpy as np
 import pytest
 
 import burnish
 
-from conftest import NAME
-
-EXAMPLES = pathlib.Path(__file__).resolve().parents[2] / "examples" / "python"
+from conftest import NAME, losses_of
 
 
 @pytest.fixture(scope="session")
 def torch():
     return pytest.importorskip("torch", reason="PyTorch is not installed")
-
-
-@pytest.fixture(scope="session")
-def small(tmp_path_factory, renderer, target):
-    """A scene whose film is as small as the target, and the target's file."""
-    folder = tmp_path_factory.mktemp("small")
-    burnish.write_scene("goblet", folder, texture_size=32)
-    text = (folder / "scene.xml").read_text()
-    text, count = re.subn(r'(<default name="res[xy]" value=)"\d+"', r'\1"32"', text)
-    assert count == 2
-    (folder / "scene.xml").write_text(text)
-    burnish.write_image(folder / "target.exr", target)
-    return folder
-
-
-def losses_of(example, small, iterations):
-    done = subprocess.run([sys.executable, EXAMPLES / example, small / "scene.xml", small / "target.exr", NAME, small / "found.exr",
-                           str(iterations)], capture_output=True, text=True)
-    assert done.returncode == 0, done.stderr
-    assert burnish.read_image(small / "found.exr").shape[:2] == (32, 32)
-    return [float(x) for x in re.findall(r"(?:loss|->) ([0-9.e+-]+)", done.stdout)]
-
-
-def test_example_recover_texture(small):
-    losses = losses_of("recover_texture.py", small, 60)
-    assert losses[-1] < losses[0]
 
 
 def test_example_perceptual_loss(small, torch):
