@@ -27,9 +27,8 @@ struct Solver::Impl {
     State::Values state;
     Workspace workspace;
     SearchReport search;
-    std::uint32_t steps = 0;            ///< of Solver::step
-    double seconds = 0;                 ///< within them
-    std::optional<Ending> ending = {};  ///< the rule that the last of them has met
+    double seconds = 0;                      ///< within Solver::step
+    std::uint32_t before = state.iteration;  ///< iterations before its first
 };
 
 namespace {
@@ -96,7 +95,6 @@ Solver::Solver(Solver&&) noexcept = default;
 Solver& Solver::operator=(Solver&&) noexcept = default;
 Solver::~Solver() = default;
 
-std::optional<Ending> Solver::ending() const { return impl_->ending; }
 std::vector<RecoveredTexture> Solver::recovered() const {
     const State::Values& state = impl_->state;
     const Ranks& ranks = impl_->setup.problem.ranks;
@@ -281,11 +279,13 @@ Summary summary_of(SearchReport search) {
 
 Iteration Solver::step() {
     Impl& run = *impl_;
-    const Stopwatch watch;
-    const Iteration i = iterate_once(run, watch, run.seconds, {});
+    const Iteration i = iterate_once(run, Stopwatch{}, run.seconds, {});
     run.seconds = i.seconds;
-    run.ending = ending_of(run, ++run.steps, i.seconds);
     return i;
+}
+
+std::optional<Ending> Solver::ending() const {
+    return ending_of(*impl_, impl_->state.iteration - impl_->before, impl_->seconds);
 }
 
 Summary solve(Problem problem, const Options& options, const Callback& callback,

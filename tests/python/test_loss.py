@@ -108,6 +108,34 @@ def test_a_solver_goes_on_after_its_loss_has_raised(renderer, target, failing, e
     assert solver.state == other.state
 
 
+@pytest.mark.parametrize("iterations", [20, 22])  # the check comes after 20
+def test_an_iteration_whose_check_has_raised_counts(renderer, target, iterations):
+    calls, failing = 0, None
+
+    def loss(image, view):
+        nonlocal calls
+        calls += 1
+        if calls == failing:
+            raise ZeroDivisionError("of the check")
+        return relative(target)(image, view)
+
+    def solver():
+        return burnish.Solver(burnish.Problem(renderer, target, burnish.Unknown(NAME, 0.5), loss), iterations=iterations, patience=1)
+
+    other = solver()
+    while other.iterations < 20:
+        next(other)
+    failing, calls = calls, 0
+    list(other)
+    calls = 0
+    one = solver()
+    with pytest.raises(ZeroDivisionError, match="of the check"):
+        list(one)
+    assert one.iterations == 20
+    assert [i.number for i in one] == list(range(20, iterations)) and one.ending == "iterations"
+    np.testing.assert_array_equal(one.textures[NAME], other.textures[NAME])
+
+
 def test_a_loss_that_raises_stop_iteration_does_not_end_the_loop(renderer, target):
     with pytest.raises(RuntimeError, match="the loss raised StopIteration"):
         list(solver_of(renderer, target, lambda image, view: next(iter([]))))
