@@ -450,6 +450,25 @@ TEST(Settings, AFlagAndSetDoNotGiveOneOption) {
     EXPECT_EQ(parse({"--set", "seed=1", "--set", "seed=2"}).options.seed, 2u);
 }
 
+TEST(Settings, TheDemoHasDefaultsOfItsOwn) {
+    const auto parse_demo = [](std::vector<std::string> arguments) {
+        return parse_line(with(std::move(arguments), {"-o", "out"}));
+    };
+    const RunSettings run = parse_demo({}).run;
+    EXPECT_EQ(run.scene, "");
+    EXPECT_EQ(run.parameters, (std::vector<std::string>{"mat-goblet.roughness"}));
+    EXPECT_EQ(run.size, (std::vector<int>{256, 256}));
+    Options expected{.estimator = PathCache{.samples = 8}, .learning_rate = 0.004};
+    expected.stop.seconds = 20;
+    EXPECT_EQ(parse_demo({}).options, expected);
+    expected.estimator = MonteCarlo{.image_samples = 16};
+    EXPECT_EQ(parse_demo(kMc).options, expected);
+    expected.estimator = Reservoirs{.image_samples = 16};
+    EXPECT_EQ(parse_demo(kPgris).options, expected);
+    const Stop rule = parse_demo({"--iterations", "1"}).options.stop;
+    EXPECT_EQ(rule, Stop{.iterations = 1}) << "and no seconds";
+}
+
 TEST(Settings, AnEmptyTextIsNoValue) {
     for (const Setting& s : all_settings()) {
         const std::string name = s.info.name;
