@@ -267,6 +267,23 @@ TEST_F(CommandLine, GradientIsTakenAtTheTexturesThatAreGiven) {
     EXPECT_NE(gradient(" --texture roughness=0.9"), own);
 }
 
+TEST_F(CommandLine, GradientHasNoEarlierIterationToReuse) {
+    write_scene();
+    write_image(folder / "ones.exr", make_image(24, 24, 3, 1.0f));
+    const auto gradient = [&](const std::string& estimator) {
+        const Outcome outcome =
+            run("gradient scene.xml --parameter roughness --adjoint ones.exr --spp 4 -o g.exr "
+                "--estimator " +
+                estimator);
+        EXPECT_EQ(outcome.code, 0) << outcome.err;
+        return read_text(folder / "g.exr");
+    };
+    const std::string ris = gradient("ris"), pris = gradient("pris");
+    EXPECT_TRUE(gradient("gris") == ris);
+    EXPECT_TRUE(gradient("pgris") == pris);
+    EXPECT_FALSE(ris == pris);
+}
+
 TEST_F(CommandLine, ATargetFunctionNeedsReservoirs) {
     const std::string command =
         "gradient scene.xml --parameter roughness --adjoint ones.exr "
