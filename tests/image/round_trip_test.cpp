@@ -182,6 +182,14 @@ TEST_F(ImageFiles, HdrWithCarriageReturns) {
     }
 }
 
+TEST_F(ImageFiles, HdrExposureAndColorCorrectionDoNotCount) {
+    const std::string bytes = make_hdr(smooth_image(2, 2, 3), false);
+    const Image expected = read_image_file(write("a", bytes)).image;
+    std::string corrected = bytes;
+    corrected.insert(corrected.find("FORMAT="), "EXPOSURE=2.5\nCOLORCORR=0.5 2 4\n");
+    EXPECT_EQ(read_image_file(write("a", corrected)).image, expected);
+}
+
 TEST_F(ImageFiles, PfmWithCarriageReturns) {
     Image image = smooth_image(7, 5, 3);
     image.values[image.index(0, 4)] = std::bit_cast<float>(0x0a123456);  // begins as a line ends
