@@ -65,6 +65,32 @@ TEST_F(Reproduce, RunsOfAnotherNumberOfThreadsAreMadeAgain) {
     EXPECT_EQ(count_kept("goblet-run"), 50);
 }
 
+TEST_F(Reproduce, ImagesAreOfFreshSamplesWhereThatIsAsked) {
+    const std::string command =
+        "reproduce derivatives -o r --scene goblet --size 16 16 --time-scale 0.01";
+    struct Result {
+        std::string image;
+        double error_of_mc;  // of its derivative, whose adjoint is that of the image
+    };
+    const auto reproduce = [&](const std::string& option) {
+        const Outcome outcome = run(command + option);
+        EXPECT_EQ(outcome.code, 0) << outcome.err;
+        EXPECT_FALSE(contains(outcome.err, "are kept from an earlier run")) << outcome.err;
+        const auto results = nlohmann::json::parse(read_text(folder / "r/results.json"));
+        const auto first = results.at("measurements").at(0);
+        EXPECT_EQ(first.at("variant"), "mc, 1 spp");
+        EXPECT_EQ(first.at("metric"), "paper_error");
+        return Result{results.at("settings").at("samples per pixel of an iteration's image"),
+                      first.at("value")};
+    };
+    const Result kept = reproduce(""), fresh = reproduce(" --fresh-image");
+    EXPECT_EQ(kept.image, "2 fresh ones, and those of the last 32 passes, shaded again");
+    EXPECT_EQ(fresh.image, "32, fresh");
+    EXPECT_NE(kept.error_of_mc, fresh.error_of_mc);
+    fs::remove_all(folder / "r.kept");
+    EXPECT_EQ(reproduce("").error_of_mc, kept.error_of_mc) << "of the same image";
+}
+
 TEST_F(Reproduce, ScenesThatAreNamedAreNotLimited) {
     const std::vector<std::string> scenes{"goblet", "tyre", "bowl", "tree"};
     std::string command = "reproduce -o r --size 16 16 --time-scale 0.01";
