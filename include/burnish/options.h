@@ -16,7 +16,7 @@ namespace burnish {
 /// How the random numbers of a pixel depend on each other from pass to pass.
 enum class Sequence {
     kIndependent,  ///< not at all
-    kSobol,        ///< they fill the cube evenly in any run of contiguous passes
+    kSobol,        ///< aligned runs of 2^k passes fill the cube evenly
 };
 
 /// Detached Monte Carlo: the sum over fresh samples.
