@@ -25,13 +25,8 @@ class Faults : public Program {
 
     /// The bytes of all results.
     std::map<std::string, std::string> results() const {
-        std::map<std::string, std::string> bytes;
-        if (!fs::exists(folder / "out")) return bytes;
-        for (const auto& entry : fs::recursive_directory_iterator(folder / "out"))
-            if (entry.is_regular_file())
-                bytes[entry.path().lexically_relative(folder / "out").string()] =
-                    read_text(entry.path());
-        return bytes;
+        if (!fs::exists(folder / "out")) return {};
+        return test::contents(folder / "out");
     }
 };
 

@@ -17,10 +17,10 @@
 #include <functional>
 #include <nlohmann/json.hpp>
 #include <set>
-#include <sstream>
 #include <string>
 #include <thread>
 
+#include "file_bytes.h"
 #include "image/image.h"
 #include "optimize/checkpoint.h"
 #include "temporary_folder.h"
@@ -34,12 +34,7 @@ struct Outcome {
     std::string out, err;
 };
 
-inline std::string read_text(const fs::path& file) {
-    std::ifstream stream(file, std::ios::binary);
-    std::ostringstream text;
-    text << stream.rdbuf();
-    return text.str();
-}
+inline std::string read_text(const fs::path& file) { return test::bytes_of(file); }
 
 /// Seconds of processor time.
 inline double processor_seconds(const rusage& usage) {

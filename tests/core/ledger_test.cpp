@@ -7,10 +7,9 @@
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>
-#include <fstream>
 #include <set>
-#include <sstream>
 
+#include "file_bytes.h"
 #include "ledger_entries.h"
 #include "temporary_folder.h"
 
@@ -53,10 +52,7 @@ TEST(Ledger, EntriesAreToldApart) {
 
 TEST(Ledger, DocumentationShowsItAsItIs) {
     const auto file = std::filesystem::path(BURNISH_TEST_DATA) / "../../docs/testing.md";
-    std::ifstream stream(file);
-    std::stringstream text;
-    text << stream.rdbuf();
-    EXPECT_NE(text.str().find(ledger_table()), std::string::npos)
+    EXPECT_NE(bytes_of(file).find(ledger_table()), std::string::npos)
         << "docs/testing.md: expected the list that `build/release/tests/ledger table` prints";
 }
 

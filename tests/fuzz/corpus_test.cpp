@@ -4,12 +4,12 @@
 #include <algorithm>
 #include <ctime>
 #include <filesystem>
-#include <fstream>
 #include <ostream>
 #include <string>
 #include <vector>
 
 #include "burnish/error.h"
+#include "file_bytes.h"
 #include "fuzz/readers.h"
 
 namespace burnish {
@@ -45,8 +45,7 @@ TEST_P(Corpus, IsReadOrRefused) {
     std::size_t read = 0, refused = 0;
     for (const fs::path& file : corpus_of(GetParam())) {
         SCOPED_TRACE(file);
-        std::ifstream stream(file, std::ios::binary);
-        const std::string bytes{std::istreambuf_iterator<char>(stream), {}};
+        const std::string bytes = test::bytes_of(file);
         const double start = clock_seconds();
         try {
             folder.read(bytes);

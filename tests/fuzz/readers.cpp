@@ -15,6 +15,7 @@
 #include "cli/mesh_file.h"
 #include "cli/options_file.h"
 #include "core/hash.h"
+#include "file_bytes.h"
 #include "image/image.h"
 #include "mitsuba/load.h"
 #include "mitsuba/obj.h"
@@ -28,16 +29,11 @@ namespace fs = std::filesystem;
 
 namespace {
 
-std::string bytes_of(const fs::path& file) {
-    std::ifstream stream(file, std::ios::binary);
-    return {std::istreambuf_iterator<char>(stream), {}};
-}
-
 /// The bytes are the fields of a state: behind a header whose size and hash fit, which no mutation
 /// would find.
 void read_state(const fs::path& file) {
     constexpr std::size_t kSize = 12, kHash = 20, kFields = 28;  // offsets: docs/reference/state.md
-    std::string bytes = save_state(State()).substr(0, kFields) + bytes_of(file);
+    std::string bytes = save_state(State()).substr(0, kFields) + test::bytes_of(file);
     const std::uint64_t size = bytes.size() - kFields;
     const std::uint64_t hash = hash_of(std::string_view(bytes).substr(kFields));
     std::memcpy(bytes.data() + kSize, &size, sizeof size);
@@ -49,7 +45,7 @@ void read_state(const fs::path& file) {
 /// compressed one would not come past zlib's checksum.
 void read_serialized_mesh(const fs::path& file) {
     constexpr std::string_view kStart("\x1c\x04\x04\0", 4);
-    const std::string mesh = bytes_of(file);
+    const std::string mesh = test::bytes_of(file);
     if (!mesh.starts_with(kStart.substr(0, 2))) {
         uLongf size = compressBound(mesh.size());
         std::string packed(size, '\0');

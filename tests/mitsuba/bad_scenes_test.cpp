@@ -5,6 +5,7 @@
 #include <ctime>
 
 #include "core/random.h"
+#include "file_bytes.h"
 #include "mitsuba/temporary_scene.h"
 
 namespace burnish {
@@ -563,7 +564,7 @@ TEST(BadSceneFiles, CutAndFlippedTextNeverCrashes) {
     const TemporaryFolder folder;
     const std::filesystem::path data = std::filesystem::path(BURNISH_TEST_DATA) / "scenes";
     std::filesystem::copy(data / "assets", folder.path / "assets");
-    const std::string text = read_file_text(data / "language.xml");
+    const std::string text = test::bytes_of(data / "language.xml");
     int refused = 0;
     for (std::uint32_t trial = 0; trial < 300; ++trial) {
         const auto random =

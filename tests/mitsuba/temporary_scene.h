@@ -23,11 +23,6 @@ inline std::filesystem::path write_text(const TemporaryFolder& folder, const std
     return file;
 }
 
-inline std::string read_file_text(const std::filesystem::path& file) {
-    std::ifstream stream(file, std::ios::binary);
-    return {std::istreambuf_iterator<char>(stream), {}};
-}
-
 /// The scene that the children of <scene> describe, with an emitter, so that nothing needs a word.
 inline LoadedScene load_text(const TemporaryFolder& folder, const std::string& children,
                              const LoadOptions& options = {}) {

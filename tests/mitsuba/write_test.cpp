@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "core/variant.h"
+#include "file_bytes.h"
 #include "scene/constants.h"
 #include "temporary_scene.h"
 
@@ -128,7 +129,7 @@ std::string rewritten(const std::string& integrator, const std::string& sampler,
     const LoadedScene before = load_scene(file);
     EXPECT_TRUE(before.warnings.empty()) << before.warnings.front();
     write_scene(before.source, {}, folder.path / "copy");
-    return read_file_text(folder.path / "copy/scene.xml");
+    return test::bytes_of(folder.path / "copy/scene.xml");
 }
 
 TEST(Write, PluginsThatMitsubaDoesNotHaveBecomeThoseThatTheyAreReadAs) {
@@ -185,7 +186,7 @@ TEST(Write, OldScenesHaveNothingThatMitsubaRefuses) {
     write_image(folder.path / "given/t.exr", make_image(2, 2, 3, 0.5f));
     const LoadedScene before = load_scene(file);
     write_scene(before.source, {}, folder.path / "copy");
-    const std::string text = read_file_text(folder.path / "copy/scene.xml");
+    const std::string text = test::bytes_of(folder.path / "copy/scene.xml");
     for (const char* old : {"srgb", "strict", "sobol", "ldrfilm", "banner", "gamma", "file_format",
                             "luminanceAlpha", "cache", "anisotropy"})
         EXPECT_EQ(text.find(old), std::string::npos) << old << " in " << text;
@@ -218,7 +219,7 @@ TEST(Write, ValuesStandWhereTheyAreReferredTo) {
     EXPECT_TRUE(before.warnings.empty()) << before.warnings.front();
     write_scene(before.source, {{{before.source.bsdfs.at(0), "roughness", -1}, 0.7f}},
                 folder.path / "copy");
-    const std::string text = read_file_text(folder.path / "copy/scene.xml");
+    const std::string text = test::bytes_of(folder.path / "copy/scene.xml");
     for (const char* gone : {"\"red\"", "\"rough\"", "\"dark\"", "\"light\"", "\"place\"",
                              "\"step\"", "\"file\"", "\"other\"", "unit"})
         EXPECT_EQ(text.find(gone), std::string::npos) << gone << " in " << text;
@@ -248,7 +249,7 @@ TEST(Write, ValuesThatAreReferredToWithoutANameAreGone) {
   <bsdf type="principled" id="m"><ref id="rough"/></bsdf>
   <shape type="rectangle"><ref id="m"/></shape><emitter type="constant"/></scene>)");
     write_scene(load_scene(file).source, {}, folder.path / "copy");
-    const std::string text = read_file_text(folder.path / "copy/scene.xml");
+    const std::string text = test::bytes_of(folder.path / "copy/scene.xml");
     EXPECT_EQ(text.find("<float"), std::string::npos) << text;
 }
 
@@ -265,7 +266,7 @@ TEST(Write, ASharedTextureIsReplacedOnceForAll) {
     EXPECT_TRUE(b.raw);
     EXPECT_EQ(b.to_uv.m[0], 3);
     EXPECT_EQ(linear_image(bitmap(after, 2)), linear_image(bitmap(written.before, 2)));
-    EXPECT_EQ(read_file_text(written.copy / "scene.xml").find("fp16"), std::string::npos);
+    EXPECT_EQ(test::bytes_of(written.copy / "scene.xml").find("fp16"), std::string::npos);
 }
 
 TEST(Write, AConstantBecomesAnotherOneOrATexture) {

@@ -11,11 +11,11 @@
 #include <filesystem>
 #include <fstream>
 #include <new>
-#include <sstream>
 #include <thread>
 
 #include "burnish/error.h"
 #include "core/parallel.h"
+#include "file_bytes.h"
 #include "image/image.h"
 #include "optimize/checkpoint.h"
 #include "optimize/checkpoint_folder.h"
@@ -319,9 +319,7 @@ TEST_F(CheckpointTest, DamageIsFoundAndTheOneBeforeIsTaken) {
     solve(test::state_problem(), options, load_checkpoint(checkpoints.folder), checkpoints,
           test::stop_after(2));
     const fs::path newest = files()[1];
-    std::ostringstream whole;
-    whole << std::ifstream(newest, std::ios::binary).rdbuf();
-    const std::string bytes = whole.str();
+    const std::string bytes = test::bytes_of(newest);
     const auto expect_refused = [&](const std::string& damaged, std::size_t at) {
         std::ofstream(newest, std::ios::binary) << damaged;
         const Checkpoint taken = load_checkpoint(checkpoints.folder);
@@ -406,26 +404,21 @@ TEST_F(CheckpointTest, FilesOfOtherNamesAreLeftAlone) {
         else
             solve(test::state_problem(), options, load_checkpoint(own), checkpoints);
     };
-    const auto bytes_of = [](const fs::path& file) {
-        std::ostringstream bytes;
-        bytes << std::ifstream(file, std::ios::binary).rdbuf();
-        return bytes.str();
-    };
     run(2);
     fs::copy_file(own / "0000000002.burnish", copy);
-    const std::string bytes = bytes_of(copy);
+    const std::string bytes = test::bytes_of(copy);
     run(6);
     EXPECT_EQ(load_checkpoint(own).run.iterations.size(), 6u);
     run(7), run(8);
     EXPECT_EQ(checkpoints_in(own).size(), 2u);
     EXPECT_EQ(load_checkpoint(own).run.iterations.size(), 8u);
-    EXPECT_EQ(bytes_of(own / "zz.burnish"), "mine");
-    EXPECT_EQ(bytes_of(copy), bytes);
+    EXPECT_EQ(test::bytes_of(own / "zz.burnish"), "mine");
+    EXPECT_EQ(test::bytes_of(copy), bytes);
     options.seed = 5;  // another run, to which what lies there is of no use
     solve(test::state_problem(), options, checkpoints, test::stop_after(1));
     EXPECT_EQ(files().size(), 3u) << "its own and the two";
-    EXPECT_EQ(bytes_of(own / "zz.burnish"), "mine");
-    EXPECT_EQ(bytes_of(copy), bytes);
+    EXPECT_EQ(test::bytes_of(own / "zz.burnish"), "mine");
+    EXPECT_EQ(test::bytes_of(copy), bytes);
 }
 
 TEST_F(CheckpointTest, WhatHasChangedIsNamed) {

@@ -2,9 +2,9 @@
 // writes FOLDER/<case>.after.
 #include <fstream>
 #include <iostream>
-#include <sstream>
 
 #include "burnish/error.h"
+#include "file_bytes.h"
 #include "optimize/state_cases.h"
 
 int main(int argc, char** argv) try {
@@ -14,9 +14,7 @@ int main(int argc, char** argv) try {
     const auto cases = test::state_cases();
     for (std::size_t i = 0; i < cases.size(); ++i) {
         const std::string file = std::string(argv[1]) + "/" + std::to_string(i);
-        std::ostringstream bytes;
-        bytes << std::ifstream(file + ".state", std::ios::binary).rdbuf();
-        Solver solver(problem, cases[i].options, load_state(bytes.str()));
+        Solver solver(problem, cases[i].options, load_state(test::bytes_of(file + ".state")));
         test::step_to(test::kAll, solver);
         std::ofstream(file + ".after", std::ios::binary) << save_state(solver.state());
     }

@@ -6,8 +6,8 @@
 
 #include <cstdlib>
 #include <fstream>
-#include <sstream>
 
+#include "file_bytes.h"
 #include "optimize/checkpoint_folder.h"
 #include "optimize/state_cases.h"
 #include "temporary_folder.h"
@@ -63,11 +63,10 @@ TEST(State, GoesOnInAFreshProcess) {
             << save_state(state_after(cases[i].options, test::kStored));
     ASSERT_EQ(std::system((std::string(BURNISH_GO_ON) + " " + temporary.path.string()).c_str()), 0);
     for (std::size_t i = 0; i < cases.size(); ++i) {
-        std::ostringstream bytes;
-        bytes << std::ifstream(file(i, ".after"), std::ios::binary).rdbuf();
+        const std::string bytes = test::bytes_of(file(i, ".after"));
         const State whole = state_after(cases[i].options, test::kAll);
-        EXPECT_TRUE(bytes.str() == save_state(whole)) << cases[i].name;
-        EXPECT_TRUE(load_state(bytes.str()) == whole) << cases[i].name;
+        EXPECT_TRUE(bytes == save_state(whole)) << cases[i].name;
+        EXPECT_TRUE(load_state(bytes) == whole) << cases[i].name;
     }
 }
 

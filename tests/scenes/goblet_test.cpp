@@ -7,6 +7,7 @@
 
 #include "burnish/error.h"
 #include "error_of.h"
+#include "file_bytes.h"
 #include "image/image.h"
 #include "mitsuba/load.h"
 #include "mitsuba/temporary_scene.h"

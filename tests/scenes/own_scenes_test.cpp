@@ -4,9 +4,10 @@
 
 #include <cmath>
 
+#include "file_bytes.h"
 #include "mitsuba/load.h"
-#include "render/render.h"
 #include "mitsuba/temporary_scene.h"
+#include "render/render.h"
 #include "scenes/bowl.h"
 #include "scenes/goblet.h"
 #include "scenes/marks.h"

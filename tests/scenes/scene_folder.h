@@ -1,30 +1,13 @@
-// What the tests of the procedural scenes look at: files by name, and how well a mesh is shaded.
+// What the tests of the procedural scenes look at: how well a mesh is shaded, and its textures.
 #pragma once
 
 #include <algorithm>
 #include <cmath>
-#include <filesystem>
-#include <fstream>
-#include <iterator>
-#include <map>
-#include <string>
 
 #include "image/image.h"
 #include "scenes/scene_files.h"
 
 namespace burnish::test {
-
-/// Every file below the folder, by its path relative to it.
-inline std::map<std::string, std::string> contents(const std::filesystem::path& folder) {
-    std::map<std::string, std::string> files;
-    for (const auto& entry : std::filesystem::recursive_directory_iterator(folder)) {
-        if (!entry.is_regular_file()) continue;
-        std::ifstream in(entry.path(), std::ios::binary);
-        files[std::filesystem::relative(entry.path(), folder).string()] = {
-            std::istreambuf_iterator<char>(in), {}};
-    }
-    return files;
-}
 
 /// The smallest cosine between a triangle's plane and the normal of one of its vertices; -2 where a
 /// normal is not of length 1.
