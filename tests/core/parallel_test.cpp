@@ -8,6 +8,8 @@
 #include <thread>
 #include <vector>
 
+#include "error_of.h"
+
 namespace burnish {
 namespace {
 
@@ -43,15 +45,13 @@ TEST(Parallel, WhoStartsALoopKeepsDenormals) {
 TEST(Parallel, TasksThrowWhatTheFirstOfThemThrew) {
     for (int repetition = 0; repetition < 20; ++repetition) {
         std::vector<int> done(64, 0);
-        try {
+        const auto run = [&] {
             parallel_tasks(done.size(), [&](std::size_t i) {
                 if (i % 20 == 7) throw std::runtime_error(std::to_string(i));
                 done[i] = 1;
             });
-            FAIL() << "nothing was thrown";
-        } catch (const std::runtime_error& e) {
-            EXPECT_STREQ(e.what(), "7");
-        }
+        };
+        EXPECT_EQ(test::error_of<std::runtime_error>(run), "7");
         EXPECT_EQ(std::count(done.begin(), done.end(), 1), 61);
     }
 }

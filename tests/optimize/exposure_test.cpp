@@ -8,6 +8,7 @@
 
 #include "burnish/error.h"
 #include "core/parallel.h"
+#include "error_of.h"
 #include "images.h"
 #include "optimize/estimators.h"
 #include "optimize/loss.h"
@@ -225,14 +226,9 @@ TEST(Exposure, AnyNumberOfThreadsGivesTheSameBytes) {
 TEST(Exposure, CannotBeFittedUnderALossOfYourOwn) {
     Problem problem = exposed_problem();
     problem.loss = [](const Image& image, std::size_t) { return LossValue{0, image}; };
-    try {
-        Solver(problem, {});
-        FAIL();
-    } catch (const InputError& e) {
-        EXPECT_EQ(std::string(e.what()),
-                  "side: the exposure is to be fitted, but a loss of your own does not say how: "
-                  "expected a number");
-    }
+    EXPECT_EQ(test::error_of([&] { Solver(problem, {}); }),
+              "side: the exposure is to be fitted, but a loss of your own does not say how: "
+              "expected a number");
 }
 
 }  // namespace

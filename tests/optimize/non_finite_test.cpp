@@ -10,6 +10,7 @@
 #include "burnish/checkpoint.h"
 #include "burnish/error.h"
 #include "core/constants.h"
+#include "error_of.h"
 #include "optimize/checkpoint_folder.h"
 #include "optimize/estimators.h"
 #include "optimize/loss.h"
@@ -87,12 +88,7 @@ TEST(NonFinite, MoreThanOneInAThousandEndsTheRunWithACheckpoint) {
     problem.loss = broken_loss(6, kNan);
     Checkpoints checkpoints;
     checkpoints.folder = temporary.path.string();
-    std::string error;
-    try {
-        solve(problem, options, checkpoints);
-    } catch (const InputError& e) {
-        error = e.what();
-    }
+    const std::string error = test::error_of([&] { solve(problem, options, checkpoints); });
     EXPECT_NE(error.find("iteration 0: 6 of about "), std::string::npos) << error;
     const Checkpoint kept = load_checkpoint(checkpoints.folder);
     EXPECT_EQ(kept.run.iterations.size(), 1u);
@@ -254,15 +250,12 @@ TEST(NonFinite, TexturesAreRefused) {
     Problem problem = test::problem_of(test::small_scene_of(24));
     Image texels = std::get<Image>(problem.unknowns[0].start);
     texels.values[3] = kNan, texels.values[5] = kInfinity;
-    try {
+    const std::string error = test::error_of([&] {
         problem.renderer.render(1, 0, {{problem.unknowns[0].name, texels}});
-        FAIL();
-    } catch (const InputError& e) {
-        EXPECT_NE(std::string(e.what()).find(
-                      ": 2 of 48 values are not finite, the first one (nan) at pixel (1, 0)"),
-                  std::string::npos)
-            << e.what();
-    }
+    });
+    EXPECT_NE(error.find(": 2 of 48 values are not finite, the first one (nan) at pixel (1, 0)"),
+              std::string::npos)
+        << error;
 }
 
 TEST(NonFinite, LightsAreCountedAndLeftOut) {
