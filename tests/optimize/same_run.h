@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <filesystem>
 #include <vector>
 
@@ -27,7 +28,8 @@ inline Options options_for_ranks(const Estimator& estimator, std::uint32_t batch
 inline void expect_same_evaluation(const Evaluation& found, const Evaluation& whole,
                                    const Ranks& ranks) {
     EXPECT_EQ(found.loss, whole.loss);
-    EXPECT_EQ(found.noise_floor, whole.noise_floor);
+    const bool is_unknown = std::isnan(found.noise_floor) && std::isnan(whole.noise_floor);
+    EXPECT_TRUE(found.noise_floor == whole.noise_floor || is_unknown);
     ASSERT_EQ(found.views.size(), whole.views.size());
     for (std::size_t v = 0; v < whole.views.size(); ++v) {
         const ViewEvaluation &x = found.views[v], &y = whole.views[v];
@@ -37,12 +39,29 @@ inline void expect_same_evaluation(const Evaluation& found, const Evaluation& wh
     }
 }
 
+/// What the searches for the start have tried.
+inline void expect_same_search(const std::vector<SearchedGroup>& found,
+                               const std::vector<SearchedGroup>& whole) {
+    ASSERT_EQ(found.size(), whole.size());
+    for (std::size_t g = 0; g < whole.size(); ++g) {
+        EXPECT_EQ(found[g].unknowns, whole[g].unknowns) << g;
+        EXPECT_EQ(found[g].guides, whole[g].guides) << g;
+        ASSERT_EQ(found[g].tried.size(), whole[g].tried.size()) << g;
+        for (std::size_t t = 0; t < whole[g].tried.size(); ++t) {
+            const SearchedValues &x = found[g].tried[t], &y = whole[g].tried[t];
+            EXPECT_TRUE(x.values == y.values && x.loss == y.loss && x.regions == y.regions)
+                << g << ", " << t;
+        }
+    }
+}
+
 /// All but times, and what lies with other processes.
 inline void expect_same_run(const Summary& found, const Summary& whole, const Ranks& ranks) {
     const State::Values &a = found.state.values(), &b = whole.state.values();
     EXPECT_TRUE(a.theta == b.theta && a.pyramids == b.pyramids) << ranks.rank;
     EXPECT_TRUE(a.patience == b.patience && a.searched == b.searched &&
                 a.search_costs == b.search_costs && a.searched_again == b.searched_again);
+    expect_same_search(found.searched, whole.searched);
     expect_same_evaluation(found.start, whole.start, ranks);
     expect_same_evaluation(found.result, whole.result, ranks);
     EXPECT_EQ(found.counts.iterations, whole.counts.iterations);
@@ -62,6 +81,7 @@ inline void expect_same_run(const Summary& found, const Summary& whole, const Ra
     ASSERT_EQ(found.textures.size(), whole.textures.size());
     for (std::size_t u = 0; u < whole.textures.size(); ++u) {
         EXPECT_EQ(found.textures[u].values, whole.textures[u].values);
+        EXPECT_EQ(found.textures[u].start, whole.textures[u].start);
         EXPECT_EQ(found.textures[u].coverage, whole.textures[u].coverage);
         EXPECT_EQ(found.textures[u].confidence, whole.textures[u].confidence);
     }
