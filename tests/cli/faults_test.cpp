@@ -98,10 +98,6 @@ TEST_F(Faults, ASceneLeavesResultsInItsFolder) {
 
 #ifdef BURNISH_FAULT_SHIM
 
-bool is_timed(const std::string& name) {
-    return name == "summary.json" || name == "report.html" || name == "history.csv";
-}
-
 /// Files that depend on times are whole.
 bool is_whole(const std::string& name, const std::string& text) {
     if (name == "summary.json") return nlohmann::json::accept(text);
