@@ -128,8 +128,14 @@ class Program : public ::testing::Test {
                 read_text(folder / ".err")};
     }
     /// The program, with arguments that pass through the shell.
-    Outcome run(const std::string& arguments) const {
-        return shell(std::string(kProgram) + arguments);
+    Outcome run(const std::string& arguments) const { return shell(program_ + arguments); }
+    /// Permissions do not bind root: where root runs the test, another user runs the program from
+    /// here on, to whom the folder and all in it then belong. False: that user cannot run it.
+    bool drop_root() {
+        if (geteuid() != 0) return true;
+        program_ = "setpriv --reuid=65534 --regid=65534 --clear-groups " + program_;
+        const std::string scene = "'" + (folder / "scene.xml").string() + "'";
+        return shell("chown -R 65534:65534 . && " + program_ + "info " + scene).code == 0;
     }
 
     /// Runs the program, which ends with that status and a message that holds that text.
@@ -153,9 +159,7 @@ class Program : public ::testing::Test {
         }
         return pid;
     }
-    pid_t start(const std::string& arguments) const {
-        return start_shell(std::string(kProgram) + arguments);
-    }
+    pid_t start(const std::string& arguments) const { return start_shell(program_ + arguments); }
     bool wait_for_error_text(const char* text) const {
         return wait_for([&] { return contains(read_text(folder / ".err"), text); });
     }
@@ -237,7 +241,7 @@ class Program : public ::testing::Test {
     fs::path folder = temporary_.path;
 
   private:
-    static constexpr const char* kProgram = "'" BURNISH_BINARY "' ";
+    std::string program_ = "'" BURNISH_BINARY "' ";
     std::string in_folder(const std::string& line) const {
         return "cd '" + folder.string() + "' && " + line + " >.out 2>.err </dev/null";
     }
