@@ -24,12 +24,16 @@ bash_completion=$prefix/share/bash-completion/completions/burnish
 zsh_completion=$prefix/share/zsh/site-functions/_burnish
 fish_completion=$prefix/share/fish/vendor_completions.d/burnish.fish
 bash -n "$bash_completion"
-if command -v zsh >/dev/null; then zsh -n "$zsh_completion"; fi
-if command -v fish >/dev/null; then fish -n "$fish_completion"; fi
-if command -v groff >/dev/null; then
+has() {  # has PROGRAM FILE
+    command -v "$1" >/dev/null || { echo "install_test: no $1 here, which would check $2"; return 1; }
+}
+if has zsh _burnish; then zsh -n "$zsh_completion"; fi
+if has fish burnish.fish; then fish -n "$fish_completion"; fi
+if has groff burnish.1; then
     warnings=$(groff -ww -man -Tascii "$manual" 2>&1 >/dev/null)
     [ -z "$warnings" ] || fail "burnish.1: $warnings"
 fi
+help_of() { "$burnish" "$1" --help-all 2>/dev/null || "$burnish" "$1" --help; }
 commands=$("$burnish" --help | awk '/ommands:/ { on = 1; next } on && /^  [a-z]/ { print $1 }')
 [ "$(wc -w <<<"$commands")" -ge 4 ] || fail "found these commands only: $commands"
 options=0
@@ -38,7 +42,7 @@ for command in $commands; do
     grep "^        $command) " "$bash_completion" >"$tree/bash"
     sed -n "/    $command)/,/;;/p" "$zsh_completion" >"$tree/zsh"
     grep -F "from $command'" "$fish_completion" >"$tree/fish"
-    for option in $("$burnish" "$command" --help | sed -n 's/^  \(-[^ ]*\).*/\1/p' | tr ',' ' '); do
+    for option in $(help_of "$command" | sed -n 's/^  \(-[^ ]*\).*/\1/p' | tr ',' ' '); do
         options=$((options + 1))
         grep -qF -- "${option//-/\\-}" "$tree/manual" || fail "burnish.1: $command $option is missing"
         grep -qE -- "[ \"]$option[ \"]" "$tree/bash" || fail "bash: $command $option is missing"
