@@ -4,9 +4,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 #include "core/stopwatch.h"
+#include "experiments/interval.h"
 #include "optimize/state.h"
 #include "texture/coverage.h"
 
@@ -21,10 +23,12 @@ Budget budget_of(const Method& method, Budget budget) {
     return budget;
 }
 
-/// The budgets that a run has passed.
-std::array<bool, kMoments> passed(const Budget& budget, const Moment& now) {
+/// The moments that a run has passed.
+std::array<bool, kMoments> passed(const Method& method, const Budget& budget, const Moment& now) {
+    const double late = method.is_late ? 2.0 / 3 : 1;
     return {now.iteration >= budget.iterations, now.iteration >= budget.long_iterations,
-            now.derivative_seconds >= budget.derivative_seconds, now.seconds >= budget.seconds};
+            now.derivative_seconds >= budget.derivative_seconds, now.seconds >= budget.seconds,
+            now.derivative_seconds >= late * budget.derivative_seconds};
 }
 
 double share_done(const Budget& budget, const Moment& now) {
@@ -37,7 +41,7 @@ double share_done(const Budget& budget, const Moment& now) {
 struct RunSoFar {
     Run run;
     Moment now;
-    std::array<bool, kMoments> done{};  ///< the budgets that it has passed
+    std::array<bool, kMoments> done{};  ///< the moments that it has passed
 };
 
 bool is_over(const RunSoFar& so_far) {
@@ -52,13 +56,14 @@ void add(const Iteration& i, RunSoFar& so_far) {
 }
 
 /// What is kept of a run; none: not all of it.
-std::optional<RunSoFar> run_of(const RunKeeper& keeper, const Budget& budget) {
+std::optional<RunSoFar> run_of(const RunKeeper& keeper, const Method& method,
+                               const Budget& budget) {
     const Summary& kept = keeper.from->run;
     if (kept.iterations.size() != kept.counts.iterations) return {};
     RunSoFar so_far;
     for (const Iteration& i : kept.iterations) add(i, so_far);
     so_far.run.seconds = kept.seconds;
-    so_far.done = passed(budget, so_far.now);
+    so_far.done = passed(method, budget, so_far.now);
     for (std::size_t b = 0; b < kMoments; ++b) {
         if (!so_far.done[b]) continue;
         if (!keeper.moments[b]) return {};
@@ -94,15 +99,10 @@ Moment moment_of(const TargetScene& scene, const ReproduceOptions& options, cons
 }
 
 /// As of late_changes.
-double late_change(const Run& run, double seconds) {
-    double sums[2] = {}, counts[2] = {};
-    for (const CurvePoint& p : run.losses.points) {
-        const double sixth = 6 * p.x / seconds;
-        if (sixth < 4 || sixth > 6) continue;
-        const std::size_t k = sixth < 5 ? 0 : 1;
-        sums[k] += p.y, ++counts[k];
-    }
-    return (sums[1] / counts[1]) / (sums[0] / counts[0]);
+double late_change(const Run& run) {
+    const Moment &late = run.at[kLate], &end = run.at[kDerivative];
+    if (late.iteration == end.iteration) return std::numeric_limits<double>::quiet_NaN();
+    return positive_ratio(end.loss, late.loss);
 }
 
 }  // namespace
@@ -111,11 +111,12 @@ InverseRuns planned_runs(const TargetScene& scene, const ReproduceOptions& optio
     Reservoirs replay = paper_estimator(scene, options), identity = replay, gris = replay;
     identity.shift = Shift::kIdentity;
     gris.positivization = false;
-    return {{{"mc", baseline_estimator(options), true},
-             {"gris, replay", gris},
-             {"pgris, replay", replay, true},
-             {"pgris, identity", identity},
-             {"path cache", PathCache{}}}};
+    return {
+        {{.name = "mc", .estimator = baseline_estimator(options), .is_long = true, .is_late = true},
+         {"gris, replay", gris},
+         {.name = "pgris, replay", .estimator = replay, .is_long = true, .is_late = true},
+         {.name = "pgris, identity", .estimator = identity, .is_late = true},
+         {"path cache", PathCache{}}}};
 }
 
 Moment evaluate_moment(const TargetScene& scene, const ReproduceOptions& options,
@@ -144,7 +145,7 @@ std::optional<Run> run_method(const TargetScene& scene, const Method& method,
     const Budget budget = budget_of(method, options.budget);
     RunSoFar so_far;
     if (keeper && keeper->from) {
-        if (auto earlier = run_of(*keeper, budget))
+        if (auto earlier = run_of(*keeper, method, budget))
             so_far = std::move(*earlier);
         else
             keeper->from.reset();
@@ -162,7 +163,7 @@ std::optional<Run> run_method(const TargetScene& scene, const Method& method,
     const auto after = [&](const Iteration& i, const Solver& solver) {
         add(i, so_far);
         if (is_before_step()) before_step = copy_of(solver.texture(0));
-        const auto before = std::exchange(so_far.done, passed(budget, so_far.now));
+        const auto before = std::exchange(so_far.done, passed(method, budget, so_far.now));
         tell_share();
         if (before == so_far.done) return Continue;
         Moment m = moment_of(scene, options, solver, so_far.now);
@@ -210,10 +211,9 @@ const InverseRuns& runs_of(TargetScene& scene, const ReproduceOptions& options,
     return *scene.runs;
 }
 
-std::vector<double> late_changes(const Method& method, const Budget& budget) {
+std::vector<double> late_changes(const Method& method) {
     std::vector<double> ratios;
-    for (const Run& run : method.runs)
-        ratios.push_back(late_change(run, budget.derivative_seconds));
+    for (const Run& run : method.runs) ratios.push_back(late_change(run));
     return ratios;
 }
 

@@ -14,7 +14,8 @@
 
 namespace burnish {
 
-/// A run as it passes one of its budgets. Evaluations are not counted in its seconds.
+/// A run as it passes one of its budgets, or two thirds of one. Evaluations are not counted in its
+/// seconds.
 struct Moment {
     std::uint32_t iteration = 0;
     double seconds = 0, derivative_seconds = 0;
@@ -27,20 +28,24 @@ struct Moment {
     Image image, texture;
 };
 
-/// The budgets, in the order of a run's moments.
-enum At : std::size_t { kIterations, kLong, kDerivative, kClock };
-inline constexpr std::size_t kMoments = 4;
+/// The moments of a run: as it passes each of its budgets, and two thirds of that of the
+/// derivative.
+enum At : std::size_t { kIterations, kLong, kDerivative, kClock, kLate };
+inline constexpr std::size_t kMoments = 5;
 
 struct Run {
     std::array<Moment, kMoments> at;  ///< with image and texture where they are shown
     double seconds = 0;               ///< of all, evaluations included
-    Curve losses;  ///< of the images of the iterations, noise included, over the derivative's time
+    /// Of the images of the iterations, over the derivative's time. They hold noise, which falls as
+    /// passes gather, also where the textures stay as they are.
+    Curve losses;
 };
 
 struct Method {
     std::string name;
     Estimator estimator;
     bool is_long = false;  ///< has Budget::long_iterations, not only iterations
+    bool is_late = false;  ///< has kLate; without it, that is kDerivative
     std::vector<Run> runs = {};
 };
 
@@ -79,9 +84,9 @@ using GetRun = std::function<std::optional<Run>(const Method& method, std::uint3
 std::shared_ptr<const InverseRuns> make_runs(const TargetScene& scene,
                                              const ReproduceOptions& options, const GetRun& get);
 
-/// The mean loss of the last sixth of the derivative's time over that of the sixth before, of each
-/// run: below 1 where a run goes on, NaN where no iteration ends in one of them.
-std::vector<double> late_changes(const Method& method, const Budget& budget);
+/// The loss at kDerivative over that at kLate, of each run: below 1 where a run goes on, NaN where
+/// both are of the same iteration or noise hides one of them.
+std::vector<double> late_changes(const Method& method);
 
 /// The runs of a scene; made on the first call and kept in the scene.
 const InverseRuns& runs_of(TargetScene& scene, const ReproduceOptions& options,

@@ -46,6 +46,9 @@ TEST(Inverse, RunsPassEachOfTheirBudgets) {
             EXPECT_EQ(at("long_iterations", "iterations"), m.is_long ? 40 : 6) << m.name;
             EXPECT_GE(at("derivative_seconds", "derivative_seconds"), 1e-3) << m.name;
             EXPECT_GE(at("seconds", "seconds"), 2e-3) << m.name;
+            if (!m.is_late) continue;
+            EXPECT_GE(at("two thirds of derivative_seconds", "derivative_seconds"), 2e-3 / 3)
+                << m.name;
         }
     for (const Figure& f : result.figures)
         EXPECT_NE(f.measured.find("with 95 % intervals over 2 runs"), std::string::npos)
@@ -118,7 +121,7 @@ TEST(Inverse, AStoppedRunGoesOn) {
         }
         ASSERT_TRUE(run);
         EXPECT_GE(parts, method.is_long ? 3u : 2u);
-        EXPECT_EQ(passed_at, (std::vector<std::uint32_t>{1, 1, 6, all}));
+        EXPECT_EQ(passed_at, (std::vector<std::uint32_t>{1, 1, 1, 6, all}));
         ASSERT_EQ(run->losses.points.size(), all);
         for (std::size_t i = 0; i < all; ++i)
             EXPECT_EQ(run->losses.points[i].y, whole.losses.points[i].y) << i;
@@ -154,19 +157,39 @@ TEST(Inverse, GoingOnIsDecidedByWholeIntervals) {
     EXPECT_EQ(late_verdict(below, around, below), Verdict::kUndecided);
 }
 
-/// The losses of pgris as it passes its budgets.
-using PgrisLosses = std::array<double, kMoments>;
+/// A run that was evaluated after 8 iterations at kLate and after so many at kDerivative.
+burnish::Run run_of_losses(double late, double end, std::uint32_t iterations) {
+    burnish::Run run;
+    run.at[kLate].loss = late, run.at[kLate].iteration = 8;
+    run.at[kDerivative].loss = end, run.at[kDerivative].iteration = iterations;
+    return run;
+}
 
-/// A run that nobody made. mc has losses of 1, and its iterations take half of the time. Two
-/// methods go on to twice the time of the derivative; the path cache has one iteration.
+TEST(Inverse, LateChangesAreThoseOfTheEvaluatedTextures) {
+    Method method{"mc", baseline_estimator()};
+    method.runs = {run_of_losses(0.4, 0.1, 10), run_of_losses(0.4, 0.4, 9)};
+    EXPECT_EQ(late_changes(method), (std::vector<double>{0.25, 1}));
+    method.runs = {run_of_losses(0.4, 0.1, 8), run_of_losses(0.4, -0.1, 10),
+                   run_of_losses(-0.4, 0.1, 10)};
+    for (const double change : late_changes(method)) EXPECT_TRUE(std::isnan(change)) << change;
+}
+
+/// The losses of pgris as it passes its budgets.
+using PgrisLosses = std::array<double, 4>;
+
+/// A run that nobody made. mc has losses of 1, and its iterations take half of the time. At kLate
+/// mc has `late_of_mc`, all others what they have at kDerivative. The losses of iterations fall in
+/// any case. Two methods go on to twice the time of the derivative; the path cache has one
+/// iteration.
 burnish::Run invented_run(const Method& method, const ReproduceOptions& options,
-                          const PgrisLosses& losses) {
+                          const PgrisLosses& losses, double late_of_mc) {
     const bool is_pgris = method.name.starts_with("pgris");
     burnish::Run run;
     for (std::size_t at = 0; at < kMoments; ++at) {
         Moment& m = run.at[at];
-        m.iteration = 10, m.derivative_seconds = is_pgris ? 0.02 : 0.01;
-        m.loss = is_pgris ? losses[at] : 1;
+        m.iteration = at == kLate ? 7 : 10, m.derivative_seconds = is_pgris ? 0.02 : 0.01;
+        m.loss = is_pgris ? losses[at == kLate ? kDerivative : at] : 1;
+        if (at == kLate && method.name == "mc") m.loss = late_of_mc;
         m.noise_floor = 0.5 * static_cast<double>(at + 1);
         m.step_length = is_pgris ? 0.5 : 0.25;
     }
@@ -179,14 +202,15 @@ burnish::Run invented_run(const Method& method, const ReproduceOptions& options,
 
 /// What is said of invented runs, one for each of the losses.
 std::vector<Figure> figures_of_runs(const std::vector<PgrisLosses>& losses,
-                                    const Budget& budget = {8, 40, 0.05, 0.1}) {
+                                    const Budget& budget = {8, 40, 0.05, 0.1},
+                                    double late_of_mc = 1) {
     ReproduceOptions options = test::small_options();
     options.runs = static_cast<std::uint32_t>(losses.size());
     options.budget = budget;
     std::vector<TargetScene> scenes;
     scenes.push_back(test::small_target_scene(options));
     scenes[0].runs = make_runs(scenes[0], options, [&](const Method& method, std::uint32_t k) {
-        return std::optional(invented_run(method, options, losses[k]));
+        return std::optional(invented_run(method, options, losses[k], late_of_mc));
     });
     return run_inverse(scenes, options, {[](const std::string&) {}, {}}).figures;
 }
@@ -223,9 +247,24 @@ TEST(Inverse, ASingleRunThatIsBehindHasAReason) {
     };
     EXPECT_EQ(of_positivization(2), kPositivizationReason);
     EXPECT_EQ(of_positivization(0.5), "");
+}
 
-    const Figure late_figure = figures_of({2, 2, 2, 2}).at(2);
-    EXPECT_TRUE(has(late_figure.why, "mc has not converged")) << late_figure.measured;
+// Single runs: mc falls to half of its loss, or stays as it is.
+TEST(Inverse, TexturesThatStayDoNotGoOnThoughTheNoiseOfIterationsFalls) {
+    const auto late = [](double loss_of_mc) {
+        return figures_of_runs({{1, 1, 1, 1}}, {8, 40, 0.05, 0.1}, loss_of_mc).at(2);
+    };
+    EXPECT_EQ(late(1).measured,
+              "The loss after 0.05 s of derivatives over that after two thirds of them, one run, "
+              "no interval: mc 1.00, pgris with replay 1.00, with the identity shift 1.00. That of "
+              "pgris with replay over that of mc, run by run: 1.00.");
+    EXPECT_EQ(late(1).why, "");
+    EXPECT_EQ(late(2).why,
+              "mc has not converged within this budget: its loss falls, too, to 0.50 of that after "
+              "two thirds of it.");
+    EXPECT_NE(late(-1).measured.find("mc too few iterations or too much noise to tell, pgris"),
+              std::string::npos)
+        << late(-1).measured;
 }
 
 // Of several runs the interval decides, as for the verdict.
