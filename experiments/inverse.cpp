@@ -224,7 +224,7 @@ Figure equal_time_figure(const TargetScene& scene, double start, const std::vect
         "Losses as ratios to that of mc, {}, from {:.4g} at the start. After {:g} s of the "
         "derivative stage: pgris with replay {}, with the identity "
         "shift {}. After {}: {} and {}. After {:g} s of whole iterations: {} and {}; "
-        "beyond the paper, the path cache {}.",
+        "beyond the paper, the path cache {}, whose seconds of derivatives hold its image, too.",
         interval_text(options.runs), start, options.budget.derivative_seconds, text_of(replay),
         text_of(identity), iterations_text(options.budget.iterations),
         text_of(ratio(kReplay, kIterations)), text_of(ratio(kIdentity, kIterations)),

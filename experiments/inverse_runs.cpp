@@ -9,6 +9,7 @@
 
 #include "core/stopwatch.h"
 #include "experiments/interval.h"
+#include "gradient/estimator.h"
 #include "optimize/state.h"
 #include "texture/coverage.h"
 
@@ -48,10 +49,12 @@ bool is_over(const RunSoFar& so_far) {
     return std::all_of(so_far.done.begin(), so_far.done.end(), [](bool d) { return d; });
 }
 
-void add(const Iteration& i, RunSoFar& so_far) {
+void add(const Method& method, const Iteration& i, RunSoFar& so_far) {
     Moment& now = so_far.now;
     now.iteration = i.number + 1;
-    now.seconds += stage_seconds(i), now.derivative_seconds += i.derivative_seconds;
+    now.seconds += stage_seconds(i);
+    now.derivative_seconds +=
+        i.derivative_seconds + (has_own_derivatives(method.estimator) ? 0 : i.image_seconds);
     so_far.run.losses.points.push_back({now.derivative_seconds, i.loss});
 }
 
@@ -61,7 +64,7 @@ std::optional<RunSoFar> run_of(const RunKeeper& keeper, const Method& method,
     const Summary& kept = keeper.from->run;
     if (kept.iterations.size() != kept.counts.iterations) return {};
     RunSoFar so_far;
-    for (const Iteration& i : kept.iterations) add(i, so_far);
+    for (const Iteration& i : kept.iterations) add(method, i, so_far);
     so_far.run.seconds = kept.seconds;
     so_far.done = passed(method, budget, so_far.now);
     for (std::size_t b = 0; b < kMoments; ++b) {
@@ -161,7 +164,7 @@ std::optional<Run> run_method(const TargetScene& scene, const Method& method,
     const auto is_before_step = [&] { return so_far.now.iteration + 1 == budget.iterations; };
     if (is_before_step()) before_step = first_texture(scene, keeper);
     const auto after = [&](const Iteration& i, const Solver& solver) {
-        add(i, so_far);
+        add(method, i, so_far);
         if (is_before_step()) before_step = copy_of(solver.texture(0));
         const auto before = std::exchange(so_far.done, passed(method, budget, so_far.now));
         tell_share();

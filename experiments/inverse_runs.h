@@ -18,9 +18,10 @@ namespace burnish {
 /// seconds.
 struct Moment {
     std::uint32_t iteration = 0;
-    double seconds = 0, derivative_seconds = 0;
-    double loss = 0;         ///< without the noise of its image
-    double noise_floor = 0;  ///< what that noise would add
+    double seconds = 0;
+    double derivative_seconds = 0;  ///< with has_own_derivatives false, of its images too
+    double loss = 0;                ///< without the noise of its image
+    double noise_floor = 0;         ///< what that noise would add
     double texture_error = 0;
     /// How far the last step moved what it moved, root mean square in units of the learning rate,
     /// after as many iterations as Budget::iterations; otherwise 0.

@@ -135,6 +135,10 @@ TEST(Inverse, AStoppedRunGoesOn) {
 
         // Without a moment that it has passed it begins again.
         keeper.from = load_checkpoint(folder.string());
+        double seconds = 0;  // the path cache differentiates the paths of its image
+        for (const Iteration& i : keeper.from->run.iterations)
+            seconds += i.derivative_seconds + (method.name == "path cache" ? i.image_seconds : 0);
+        EXPECT_EQ(run->losses.points.back().x, seconds);
         keeper.moments = {};
         stops = false;
         const burnish::Run again = run_method(scene, method, options, 1, silent, &keeper).value();
