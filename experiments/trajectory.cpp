@@ -35,12 +35,19 @@ void add(const Image& image, std::vector<double>& sum) {
     for (std::size_t i = 0; i < sum.size(); ++i) sum[i] += double{image.values[i]};
 }
 
+/// An estimator that keeps nothing between iterations. It makes no image, for which alone work
+/// memory is prepared: others have it before they are timed.
+ScriptedEstimator estimator_at_end(const Estimator& estimator, std::uint32_t seed) {
+    ScriptedEstimator at_end(estimator, seed);
+    at_end.workspace.emplace();
+    return at_end;
+}
+
 /// An estimate at the last entry, of no iteration before it.
-Image estimate_at_end(const TracedScene& scene, const Trajectory& trajectory, const Estimator& e,
-                      std::uint32_t seed, std::uint32_t iteration) {
-    ScriptedEstimator alone(e, seed);
+Image estimate_at_end(const TracedScene& scene, const Trajectory& trajectory,
+                      std::uint32_t iteration, ScriptedEstimator& at_end) {
     return estimate_next(scene, trajectory.theta.back(), trajectory.adjoint.back(), iteration,
-                         alone);
+                         at_end);
 }
 
 /// How many estimates with fewer passes the baseline is the mean of; leaves it those passes.
@@ -61,12 +68,13 @@ DerivativeEstimate estimate_repeatedly(const TracedScene& scene, const Trajector
     DerivativeEstimate result;
     result.gradient = trajectory.theta.back().textures[0].values;
     std::vector<double> seconds, sum(result.gradient.values.size());
+    ScriptedEstimator at_end = estimator_at_end(estimator, seed);
     const Stopwatch all;
     do {
         std::fill(sum.begin(), sum.end(), 0.0);
         Stopwatch watch;
         for (std::uint32_t k = 0; k < chunks; ++k)
-            add(estimate_at_end(scene, trajectory, estimator, seed, iteration * chunks + k), sum);
+            add(estimate_at_end(scene, trajectory, iteration * chunks + k, at_end), sum);
         seconds.push_back(watch.lap());
     } while (seconds.size() < kTimed && all.total() < enough_seconds);
     result.seconds = median(seconds);
@@ -152,11 +160,12 @@ DerivativeReference converged_derivative(const TracedScene& scene, const Traject
         baseline_estimator(passes_at_once(trajectory.adjoint.back(), 4, kMaxAtOnce));
     const std::uint32_t estimates = std::max(2u, samples_per_pixel / mc.samples);
     const std::uint32_t own_seed = seed + 0x9e3779b9u;  // not that of any estimate
+    // A seed for each half: the passes of one share a sequence of film offsets that fills the
+    // pixel evenly, so that they are not independent.
+    ScriptedEstimator at_end[2] = {estimator_at_end(mc, seed_of_half(own_seed, 0)),
+                                   estimator_at_end(mc, seed_of_half(own_seed, 1))};
     for (std::uint32_t k = 0; k < estimates; ++k) {
-        // A seed for each half: the passes of one share a sequence of film offsets that fills the
-        // pixel evenly, so that they are not independent.
-        const std::uint32_t half_seed = seed_of_half(own_seed, k % 2);
-        add(estimate_at_end(scene, trajectory, mc, half_seed, k / 2), half[k % 2]);
+        add(estimate_at_end(scene, trajectory, k / 2, at_end[k % 2]), half[k % 2]);
         tell(progress, k + 1, estimates);
     }
     const double n0 = (estimates + 1) / 2, n1 = estimates / 2;
