@@ -209,7 +209,10 @@ void run_part(const ReproduceOptions& options, const Machine& machine, const Kep
         !prepare_runs(*part.target, options, machine, kept, note, scene[0]))
         return;
     const Stopwatch watch;
-    if (e.needs == Needs::kStudy) prepare_study(*part.target, options, kept, note, scene[0]);
+    if (e.needs == Needs::kStudy) {
+        prepare_study(*part.target, options, kept, note, scene[0]);
+        if (interrupted()) return;
+    }
     ExperimentResult result;
     try {
         result = e.run(scene, options, note);
@@ -301,6 +304,7 @@ void run_parts(const ReproduceOptions& options, const Machine& machine, const Ke
             scene.clear();
             scene.push_back(prepare(*part->target, options, kept, own_folder));
             of = part->target;
+            if (interrupted()) return;
         }
         run_part(options, machine, kept, part->target ? TargetScenes(scene) : TargetScenes(), parts,
                  *part);

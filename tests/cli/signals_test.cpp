@@ -328,7 +328,8 @@ TEST_F(Signals, AStoppedReproductionGoesOn) {
         return !kept_files(folder / "r.kept", part).empty();
     };
     const pid_t pid = start(command);
-    EXPECT_TRUE(wait_for([&] { return is_kept("goblet-target"); }));
+    EXPECT_TRUE(wait_for([&] { return is_kept("goblet-derivative"); }));
+    EXPECT_TRUE(works_for(0.05, pid)) << "the first part has begun";
     kill(pid, SIGINT);
     EXPECT_EQ(end_of(pid), 0);
     EXPECT_TRUE(is_kept("goblet-derivatives"));
@@ -338,6 +339,40 @@ TEST_F(Signals, AStoppedReproductionGoesOn) {
     EXPECT_TRUE(is_kept("goblet-equal-error"));
     EXPECT_TRUE(contains(read_text(folder / "r/results.csv"), "equal-error"));
     EXPECT_TRUE(contains(read_text(folder / "r/results.csv"), "derivatives"));
+}
+
+/// A signal waits for the target or the converged derivative that is under way, and no longer.
+/// Where that was done before it was sent, which a busy machine can bring about, all is begun
+/// again.
+TEST_F(Signals, AReproductionBeginsNoPartAfterOne) {
+    const auto is_kept = [&](const char* what) {
+        return !kept_files(folder / "r.kept", what).empty();
+    };
+    const auto stop = [&](const std::function<bool(pid_t)>& has_begun, const char* what) {
+        int status = -1;
+        bool is_late = true;
+        for (int attempt = 0; attempt < 20 && is_late; ++attempt) {
+            for (const char* made : {"r", "r.kept"}) fs::remove_all(folder / made);
+            const pid_t pid =
+                start("reproduce derivatives -o r --scene goblet --size 96 96 --time-scale 0.05");
+            EXPECT_TRUE(has_begun(pid));
+            kill(pid, SIGINT);
+            is_late = is_kept(what);
+            status = end_of(pid);
+        }
+        ASSERT_FALSE(is_late) << what;
+        EXPECT_TRUE(WIFEXITED(status) && WEXITSTATUS(status) == 75) << status;
+        EXPECT_TRUE(is_kept(what)) << what;
+    };
+    const fs::path scene = lock_of("r").parent_path() / "scenes";
+    const auto has_target = [&] { return is_kept("goblet-target"); };
+    stop([&](pid_t) { return wait_for([&] { return fs::exists(scene) || has_target(); }); },
+         "goblet-target");
+    EXPECT_FALSE(is_kept("goblet-derivative"));
+    stop([&](pid_t pid) { return wait_for(has_target) && works_for(0.05, pid); },
+         "goblet-derivative");
+    EXPECT_FALSE(is_kept("goblet-derivatives"));
+    EXPECT_FALSE(fs::exists(folder / "r"));
 }
 
 TEST_F(Signals, AReproductionGoesOnWithinAScene) {
