@@ -1,10 +1,11 @@
+#include "experiments/derivatives.h"
+
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
 
 #include "experiments/experiments.h"
-#include "experiments/interval.h"
 
 namespace burnish {
 
@@ -147,18 +148,26 @@ Figure figure_of(const TargetScene& scene, const Study& study, const Runs& runs)
         variants[kCache].estimate.seconds, text_of(ratio(kCache, kPgrisAsCache)),
         samples_of(variants[kPgrisAsCache]));
     f.verdict = verdict_below_one(replay, identity);
-    if (falls_short(f.verdict) || stands_above_one(replay))
-        f.why = fmt::format(
-            "On a CPU a fresh sample is cheap: tracing only what meets the texture, mc takes "
-            "{:.4f} s for 1 sample per pixel, and replaying a history of one sample per reservoir "
-            "takes about as long as {} fresh samples per pixel.",
-            variants[kMc].estimate.seconds, samples_of(variants[kMcAsReplay]));
+    f.why = derivatives_reason(replay, f.verdict, variants[kMc].estimate.seconds,
+                               samples_of(variants[kMcAsReplay]));
     f.tables.push_back(table_of(variants, study));
     f.pictures.push_back(pictures_of(variants, study));
     return f;
 }
 
 }  // namespace
+
+std::string derivatives_reason(const RatioInterval& replay, Verdict of_figure, double seconds,
+                               std::uint32_t samples) {
+    if (!falls_short(of_figure) && !stands_above_one(replay)) return {};
+    if (std::isnan(replay.ratio))
+        return "The noise of the converged derivative hides what replay does.";
+    return fmt::format(
+        "On a CPU a fresh sample is cheap: tracing only what meets the texture, mc takes {:.4f} s "
+        "for 1 sample per pixel, and pgris, which replays its history beside one fresh sample, "
+        "takes about as long as {} of mc.",
+        seconds, samples);
+}
 
 ExperimentResult run_derivatives(TargetScenes scenes, const ReproduceOptions& options,
                                  const WorkNote& note) {

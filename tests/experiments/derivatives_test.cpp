@@ -1,4 +1,6 @@
-// What `derivatives` says of one run.
+// What `derivatives` says of one run, and why its claim does not hold.
+#include "experiments/derivatives.h"
+
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -25,6 +27,28 @@ TEST(Derivatives, ASingleRunThatIsBehindHasAReason) {
         if (m.metric == "nmse_ratio_equal_time_replay") ratios.push_back(m.value);
     ASSERT_EQ(ratios.size(), 1u);
     EXPECT_EQ(f.why.empty(), !(ratios[0] > 1)) << f.measured << f.why;
+}
+
+TEST(Derivatives, TheReasonIsWhatReplayTakesUnlessNoiseHidesIt) {
+    const RatioInterval below{0.5, 0.4, 0.6}, around{1, 0.9, 1.1}, above{2, 1.5, 2.5},
+        single{.ratio = 2}, noise{.ratio = NAN};
+    const auto reason = [](const RatioInterval& replay, Verdict of_figure) {
+        return derivatives_reason(replay, of_figure, 0.0125, 3);
+    };
+    const std::string costs = reason(above, Verdict::kFails);
+    EXPECT_TRUE(
+        costs.ends_with("mc takes 0.0125 s for 1 sample per pixel, and pgris, which replays "
+                        "its history beside one fresh sample, takes about as long as 3 of "
+                        "mc."))
+        << costs;
+    EXPECT_EQ(reason(above, Verdict::kPartly), costs);
+    EXPECT_EQ(reason(around, Verdict::kPartly), costs);
+    EXPECT_EQ(reason(single, Verdict::kUndecided), costs);
+    EXPECT_EQ(reason(noise, Verdict::kPartly),
+              "The noise of the converged derivative hides what replay does.");
+    EXPECT_EQ(reason(noise, Verdict::kUndecided), "");
+    EXPECT_EQ(reason(below, Verdict::kHolds), "");
+    EXPECT_EQ(reason(around, Verdict::kUndecided), "");
 }
 
 TEST(Derivatives, ErrorsThatTheReferenceHidesTellNothing) {
