@@ -94,6 +94,12 @@ U scramble_reversed(U x, const U& seed) {
     return x ^ (x * 0x8d22f6e6u);
 }
 
+/// u_d(n) of x_d(n), in reversed bits, and s_d.
+template <class U>
+auto sobol_uniform(const U& x, const U& seed) {
+    return to_unit_float(reverse_bits(scramble_reversed(x, seed)));
+}
+
 /// Four times 32 random bits of a sample and block.
 template <class U>
 std::array<U, 4> sobol_seeds(RandomKey key, const U& sample, std::uint32_t block,
@@ -120,8 +126,7 @@ auto sobol_uniforms(RandomKey key, const U& sample, const U& n, std::uint32_t bl
     const auto seeds = sobol_seeds(key, sample, block, 0);
     const auto x = sobol_reversed<0, 4>(sobol_point(key, sample, n, block));
     std::array<decltype(to_unit_float(n)), 4> u;
-    for (std::size_t d = 0; d < 4; ++d)
-        u[d] = to_unit_float(reverse_bits(scramble_reversed(x[d], seeds[d])));
+    for (std::size_t d = 0; d < 4; ++d) u[d] = sobol_uniform(x[d], seeds[d]);
     return u;
 }
 
@@ -129,7 +134,7 @@ auto sobol_uniforms(RandomKey key, const U& sample, const U& n, std::uint32_t bl
 template <class U>
 auto sobol_fifth(RandomKey key, const U& sample, const U& n, std::uint32_t block) {
     const U x = sobol_reversed<6, 1>(sobol_point(key, sample, n, block))[0];
-    return to_unit_float(reverse_bits(scramble_reversed(x, sobol_seeds(key, sample, block, 2)[0])));
+    return sobol_uniform(x, sobol_seeds(key, sample, block, 2)[0]);
 }
 
 }  // namespace burnish

@@ -10,8 +10,7 @@ Vec2f film_offset(RandomKey key, std::uint32_t film_pass, Sequence sequence) {
     const auto seeds = philox4x32(counter, {key.seed, static_cast<std::uint32_t>(key.stream)});
     if (sequence == Sequence::kSobol) {
         const auto x = sobol_reversed<4, 2>(film_pass);
-        return {to_unit_float(reverse_bits(scramble_reversed(x[0], seeds[0]))),
-                to_unit_float(reverse_bits(scramble_reversed(x[1], seeds[1])))};
+        return {sobol_uniform(x[0], seeds[0]), sobol_uniform(x[1], seeds[1])};
     }
     // A random digital shift: each point is uniform on its own, the sequence stays well
     // distributed.

@@ -25,8 +25,8 @@ SampleNames names_of(const TraceInput& input, std::span<const BatchSample> sampl
     return names;
 }
 
-static_assert(kSobolBlocksInOrder ==
-              kTechniques);  // those of the first vertex, whose light adds up
+// Those of the first vertex, whose light adds up.
+static_assert(kSobolBlocksInOrder == kTechniques);
 
 std::uint32_t sobol_block(Technique technique, std::uint32_t bounce) {
     return bounce * kTechniques + static_cast<std::uint32_t>(technique);
