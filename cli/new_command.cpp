@@ -4,7 +4,6 @@
 
 #include <CLI/App.hpp>
 
-#include "burnish/error.h"
 #include "cli/commands.h"
 #include "cli/console.h"
 #include "cli/new_scene.h"

@@ -1,5 +1,5 @@
-/* Preloaded into the program: the n-th call that writes below a folder fails. Counted are writes, syncs, renames and
- * files that are opened to be written, whose path holds BURNISH_FAULT_FOLDER.
+/* Preloaded into the program: the n-th call that writes below a folder fails, or a signal comes before it. Counted are
+ * writes, syncs, renames and files that are opened to be written, whose path holds BURNISH_FAULT_FOLDER.
  *
  *   BURNISH_FAULT_NUMBER   n, from 1
  *   BURNISH_FAULT_ERROR    the errno; 0: a write of half of the bytes, which says so; -1: the program is killed, in a
@@ -13,7 +13,7 @@
  *   BURNISH_FAULT_NFS      set: files named "lock" that are removed while they are open stay, as .nfs0001, until they
  *                          are closed
  *   BURNISH_FAULT_THREADS  set: no thread is begun
- *   BURNISH_FAULT_LOG      a file that is made when a call fails
+ *   BURNISH_FAULT_LOG      a file that is made when the n-th call comes
  */
 #define _GNU_SOURCE
 #include <dlfcn.h>
