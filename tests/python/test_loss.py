@@ -86,20 +86,24 @@ def test_what_a_loss_raises_arrives_whole(renderer, target):
         burnish.solve(burnish.Problem(renderer, target, NAME, loss), iterations=1)
 
 
+class RaisingLoss:
+    """The relative loss, which raises in one of its calls."""
+
+    def __init__(self, target, failing=None):
+        self.loss, self.failing, self.calls = relative(target), failing, 0
+
+    def __call__(self, image, view):
+        self.calls += 1
+        if self.calls == self.failing:
+            raise ZeroDivisionError("once")
+        return self.loss(image, view)
+
+
 @pytest.mark.parametrize("estimator", ["path_cache", "mc"])
 @pytest.mark.parametrize("failing", [1, 2, 5])
 def test_a_solver_goes_on_after_its_loss_has_raised(renderer, target, failing, estimator):
-    calls = 0
-
-    def loss(image, view):
-        nonlocal calls
-        calls += 1
-        if calls == failing:
-            raise ZeroDivisionError("once")
-        return relative(target)(image, view)
-
     other = solver_of(renderer, target, relative(target), estimator=estimator)
-    solver = solver_of(renderer, target, loss, estimator=estimator)
+    solver = solver_of(renderer, target, RaisingLoss(target, failing), estimator=estimator)
     with pytest.raises(ZeroDivisionError, match="once"):
         list(solver)
     rest, all_of = list(solver), list(other)
@@ -110,26 +114,16 @@ def test_a_solver_goes_on_after_its_loss_has_raised(renderer, target, failing, e
 
 @pytest.mark.parametrize("iterations", [20, 22])  # the check comes after 20
 def test_an_iteration_whose_check_has_raised_counts(renderer, target, iterations):
-    calls, failing = 0, None
-
-    def loss(image, view):
-        nonlocal calls
-        calls += 1
-        if calls == failing:
-            raise ZeroDivisionError("of the check")
-        return relative(target)(image, view)
-
-    def solver():
+    def solver(loss):
         return burnish.Solver(burnish.Problem(renderer, target, burnish.Unknown(NAME, 0.5), loss), iterations=iterations, patience=1)
 
-    other = solver()
+    counted = RaisingLoss(target)
+    other = solver(counted)
     while other.iterations < 20:
         next(other)
-    failing, calls = calls, 0
+    one = solver(RaisingLoss(target, counted.calls))  # the last call is of the check
     list(other)
-    calls = 0
-    one = solver()
-    with pytest.raises(ZeroDivisionError, match="of the check"):
+    with pytest.raises(ZeroDivisionError, match="once"):
         list(one)
     assert one.iterations == 20
     assert [i.number for i in one] == list(range(20, iterations)) and one.ending == "iterations"
