@@ -215,8 +215,8 @@ class Solver {
     /// it was before; in a check, the iteration is done. ResourceError: memory has ended in the
     /// midst of the optimiser's step, and the solver cannot go on.
     Iteration step();
-    /// The rule of Options::stop that the last step has met, counted since this solver was made;
-    /// steps can go on.
+    /// The rule of Options::stop that the last step has met, counted since this solver was made, or
+    /// in a callback of solve() since the run began; steps can go on.
     std::optional<Ending> ending() const;
 
     /// As it was given, but without starts that are images, and with masks that are 0 where a lens

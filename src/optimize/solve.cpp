@@ -27,8 +27,9 @@ struct Solver::Impl {
     State::Values state;
     Workspace workspace;
     SearchReport search;
-    double seconds = 0;                      ///< within Solver::step
-    std::uint32_t before = state.iteration;  ///< iterations before its first
+    // What Options::stop counts: of this solver, and of the run that it goes on with.
+    double seconds = 0;
+    std::uint32_t before = state.iteration;  ///< iterations before the first that counts
 };
 
 namespace {
@@ -150,13 +151,13 @@ Theta take_theta(const Setup& setup, std::vector<RecoveredTexture>& textures) {
     return theta;
 }
 
-/// The rule that so many iterations in so many seconds have met.
-std::optional<Ending> ending_of(const Solver::Impl& run, std::size_t iterations, double seconds) {
+std::optional<Ending> ending_of(const Solver::Impl& run) {
+    const std::uint32_t iterations = run.state.iteration - run.before;
     if (iterations == 0) return {};
     const Stop stop = effective_stop(run.setup.options);
     if (stop.patience > 0 && run.state.patience.failed >= stop.patience) return Ending::kPatience;
     if (iterations >= stop.iterations) return Ending::kIterations;
-    if (seconds >= stop.seconds) return Ending::kTime;
+    if (run.seconds >= stop.seconds) return Ending::kTime;
     return {};
 }
 
@@ -166,7 +167,7 @@ Iteration iterate_once(Solver::Impl& run, const Stopwatch& watch, double earlier
     search_again(run.setup, run.state, stop);
     Iteration i = iterate(run.setup, run.state, run.workspace, stop);
     i.held_out_loss = check_patience(run);
-    i.seconds = agree(run.setup.problem.ranks, earlier + watch.total());
+    i.seconds = run.seconds = agree(run.setup.problem.ranks, earlier + watch.total());
     return i;
 }
 
@@ -190,10 +191,10 @@ std::optional<Ending> iterate_until_end(const Callback& callback, Solver& solver
                                         CheckpointWriter* checkpoints) {
     Solver::Impl& run = solver.impl();
     const Stopwatch watch;
-    const double earlier = summary.seconds;
+    const double earlier = run.seconds = summary.seconds;
+    run.before = run.state.iteration - summary.counts.iterations;
     while (true) {
-        if (const auto ending = ending_of(run, summary.counts.iterations, summary.seconds))
-            return ending;
+        if (const auto ending = ending_of(run)) return ending;
         Iteration i;
         try {
             i = iterate_once(run, watch, earlier,
@@ -278,15 +279,17 @@ Summary summary_of(SearchReport search) {
 }  // namespace
 
 Iteration Solver::step() {
-    Impl& run = *impl_;
-    const Iteration i = iterate_once(run, Stopwatch{}, run.seconds, {});
-    run.seconds = i.seconds;
-    return i;
+    const Stopwatch watch;
+    const double earlier = impl_->seconds;
+    try {
+        return iterate_once(*impl_, watch, earlier, {});
+    } catch (...) {  // in a check: the iteration is done
+        impl_->seconds = earlier + watch.total();
+        throw;
+    }
 }
 
-std::optional<Ending> Solver::ending() const {
-    return ending_of(*impl_, impl_->state.iteration - impl_->before, impl_->seconds);
-}
+std::optional<Ending> Solver::ending() const { return ending_of(*impl_); }
 
 Summary solve(Problem problem, const Options& options, const Callback& callback,
               const StageProgress& progress) {

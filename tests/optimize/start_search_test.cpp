@@ -415,25 +415,38 @@ TEST(StartSearch, FindsColorsBesideExposures) {
     EXPECT_LT(distance_of(Solver(problem, {}).texture(0), truth_of(scene, 0)), 0.1);
 }
 
-/// A known wall tells the exposure, with the light that the unknown floor throws on it.
-TEST(StartSearch, FindsExposuresWithLightFromUnknowns) {
-    Principled floor;
-    floor.base_color.texture = {0};
-    floor[PrincipledScalar::kRoughness].constant = 0.8f;
-    Scene scene = floor_scene(floor, {bitmap_of(8, 3, [](int, int, int) { return 0.5f; })});
+/// A floor of one colour, or of one roughness, before a gray wall.
+Scene before_a_wall(bool is_color, float value) {
+    Principled floor = is_color ? Principled{} : metal();
+    (is_color ? floor.base_color.texture : floor[PrincipledScalar::kRoughness].texture) = {0};
+    if (is_color) floor[PrincipledScalar::kRoughness].constant = 0.8f;
+    Scene scene =
+        floor_scene(floor, {bitmap_of(8, is_color ? 3 : 1, [=](int, int, int) { return value; })});
     Diffuse gray;
     gray.reflectance.constant = {0.8f, 0.8f, 0.8f};
     scene.bsdfs.push_back(gray);
     scene.materials.push_back({"wall", {2}, {}});
     scene.shapes.push_back({"wall", make_quad({-1, 1, 0}, {2, 0, 0}, {0, 0, 2}), {2}, {}});
     scene.max_depth = 5;
-    const auto distance = [&](const Exposure& exposure) {
+    return scene;
+}
+
+/// A known wall tells the exposure, with the light that the unknown floor throws on it: that of a
+/// colour of 0.5 or of a smooth metal, whatever the floor is.
+TEST(StartSearch, FindsExposuresWithLightFromUnknowns) {
+    const auto distance = [&](const Scene& scene, const Exposure& exposure) {
         Problem problem = searched_problem(scene, SearchStart{});
         problem.views[0].exposure = exposure;
         return distance_of(Solver(problem, {}).texture(0), truth_of(scene, 0));
     };
-    EXPECT_LT(distance(ExposureFactors{1, 1, 1}), 0.03);
-    EXPECT_LT(distance(FitExposure{}), 0.03);
+    const Scene gray = before_a_wall(true, 0.5f), rough = before_a_wall(false, 0.6f);
+    EXPECT_LT(distance(gray, ExposureFactors{1, 1, 1}), 0.03);
+    EXPECT_LT(distance(gray, FitExposure{}), 0.03);
+    EXPECT_LT(distance(rough, FitExposure{}), distance(rough, ExposureFactors{1, 1, 1}) + 0.01);
+    for (const float value : {0.2f, 0.8f}) {
+        const Scene scene = before_a_wall(true, value);
+        EXPECT_LT(distance(scene, FitExposure{}), distance(scene, ExposureFactors{1, 1, 1}) + 0.05);
+    }
 }
 
 /// Squares of the picture overflow in single precision, then those of the exposure, too.

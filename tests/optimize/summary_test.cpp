@@ -194,6 +194,38 @@ TEST(Iteration, SecondsOfASolverAreThoseOfItsSteps) {
     EXPECT_GT(after, before);
 }
 
+/// In a callback, too, and from a state: there the iterations before it do not count.
+TEST(Iteration, TheLastOneIsKnownWhereItIsTold) {
+    Options options = an_option_of_each()[2];
+    options.stop.iterations = 3;
+    std::vector<bool> over;
+    const Callback look = [&](const Iteration&, const Solver& solver) {
+        over.push_back(solver.ending().has_value());
+        return Continue;
+    };
+    const Summary first = solve(sky_problem(), options, look);
+    solve(sky_problem(), options, first.state, look);
+    EXPECT_EQ(over, (std::vector<bool>{false, false, true, false, false, true}));
+}
+
+/// An iteration whose check raises is done, and took its time.
+TEST(Iteration, ItsSecondsCountWhereItsCheckRaises) {
+    Problem problem = sky_problem();
+    Options options = an_option_of_each()[2];
+    options.stop.iterations = 19;
+    const Summary before = solve(problem, options);
+    int calls = 0;  // in an iteration: its own, then the one of a check
+    problem.loss = [&](const Image& image, std::size_t) {
+        if (++calls == 2) throw std::runtime_error("no loss");
+        return LossValue{1, make_image(image.width, image.height, 3)};
+    };
+    options.stop = {.seconds = 1e-9, .patience = 1};
+    Solver solver(problem, options, before.state);
+    EXPECT_THROW(solver.step(), std::runtime_error);
+    EXPECT_EQ(solver.iterations(), 20u);
+    EXPECT_EQ(solver.ending(), Ending::kTime);
+}
+
 TEST(CallbackTest, IsAnyFunctionOfAnIterationAndNoneThatIsEmpty) {
     const Solver solver(sky_problem(), an_option_of_each()[2]);
     const auto told = [&](const Callback& callback) { return callback({}, solver); };
