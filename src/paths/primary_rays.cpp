@@ -154,14 +154,19 @@ bool pass_pane(const TraceInput& input, const SeenBsdfs& seen, std::size_t i, Ra
 }
 
 /// Takes the rays that meet panes on to what is behind, as far as paths go. passed: of each the
-/// share that does. What a ray meets where paths end counts as no surface: none goes on from it.
+/// share that does. What a ray meets where paths end counts as no surface, but for lamps: no path
+/// goes on from it.
 void pass_panes(const TraceInput& input, std::size_t count, RayLanes& rays, Column& passed) {
     const auto max_depth = static_cast<std::uint32_t>(input.scene->scene->max_depth);
     ActiveList onward;
     for (std::size_t i = 0; i < count; ++i) onward.add(i);
     for (std::uint32_t depth = 1; onward.count > 0; ++depth) {
         if (depth == max_depth) {
-            for (std::size_t k = 0; k < onward.count; ++k) rays.shape[onward.lane[k]] = -1;
+            const auto& emitters = input.scene->lights->of_shape;
+            for (std::size_t k = 0; k < onward.count; ++k) {
+                auto& shape = rays.shape[onward.lane[k]];
+                if (shape >= 0 && !emitters[static_cast<std::size_t>(shape)]) shape = -1;
+            }
             return;
         }
         const SeenBsdfs seen = seen_bsdfs(input, count, rays);

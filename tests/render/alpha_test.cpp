@@ -86,6 +86,27 @@ TEST(Alpha, EndsWherePathsDo) {
     EXPECT_EQ(mean_alpha(scene), 1) << "the sky";
 }
 
+/// The last segment of a path brings light, and so do those behind a mask.
+TEST(Alpha, OfALampThatPathsEndOnIsOne) {
+    Scene scene = floor_scene();
+    AreaEmitter lamp;
+    lamp.shape = {0};
+    scene.emitters.push_back(lamp);
+    scene.max_depth = 1;
+    EXPECT_EQ(mean_alpha(scene), 1);
+    scene.max_depth = 0;
+    EXPECT_EQ(mean_alpha(scene), 0);
+
+    mask(scene, 0.25f);
+    scene.shapes.push_back(scene.shapes[0]);
+    scene.shapes[1].geometry = test::make_quad({-9, -9, -1}, {18, 0, 0}, {0, 18, 0});
+    std::get<AreaEmitter>(scene.emitters.back()).shape = {1};
+    scene.max_depth = 2;
+    EXPECT_EQ(mean_alpha(scene), 1);
+    scene.max_depth = 1;
+    EXPECT_EQ(mean_alpha(scene), 0);
+}
+
 /// A narrow filter leaves pixels without a sample.
 TEST(Alpha, OfAPixelThatNoSampleReachesIsNone) {
     Scene scene = floor_scene();
