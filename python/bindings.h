@@ -111,8 +111,8 @@ struct PythonProblem {
     Problem problem;  ///< without its loss and without Ranks::exchange
     Functions functions = {};
 };
-/// With its loss and its exchange, which throw Abandoned once nobody waits. A problem that is moved
-/// in is not copied.
+/// With its loss and its exchange, which throw Abandoned once nobody waits; null: they go on. A
+/// problem that is moved in is not copied.
 Problem with_functions(PythonProblem problem, const Flag& is_abandoned);
 
 /// An iteration, and what has made it.

@@ -6,6 +6,7 @@
 #include <nanobind/stl/variant.h>
 
 #include "burnish/error.h"
+#include "core/parallel.h"
 #include "core/variant.h"
 #include "optimize/ranks.h"
 #include "python/arrays.h"
@@ -157,11 +158,13 @@ Problem with_functions(PythonProblem problem, const Flag& is_abandoned) {
         whole.ranks.exchange = [exchange = own.exchange,
                                 is_abandoned](std::vector<std::string> messages) {
             check_abandoned(is_abandoned);
+            const Stoppable unstopped({});
             return call_exchange(*exchange, messages);
         };
     if (own.loss)
         whole.loss = [loss = own.loss, is_abandoned](const Image& image, std::size_t view) {
             check_abandoned(is_abandoned);
+            const Stoppable unstopped({});  // in Python nobody knows Stopped
             return call_loss(*loss, image, view);
         };
     return whole;

@@ -88,13 +88,15 @@ class FolderClaim {
     std::filesystem::path folder_;
 };
 
-/// Goes on from the newest checkpoint of the folder where there is one.
+/// Goes on from the newest checkpoint of the folder where there is one. Once nobody waits the run
+/// is written and ends.
 Summary solve_with_checkpoints(Problem problem, const Options& options, const std::string& folder,
                                const Callback& callback, const StageProgress& progress,
                                const Flag& is_abandoned) {
     const FolderClaim claim(folder, is_abandoned);
     Checkpoints checkpoints;
     checkpoints.folder = folder;
+    checkpoints.stop = [is_abandoned] { return is_over(is_abandoned); };
     if (checkpoints_in(folder).empty())
         return solve(std::move(problem), options, checkpoints, callback, progress);
     Checkpoint from = load_checkpoint(folder, problem.ranks);
@@ -155,9 +157,8 @@ PythonSummary run(const PythonProblem& problem, const std::optional<State>& stat
             check_abandoned(is_abandoned);
             if (tell) call_progress(*tell, stage, share);
         };
-        // With checkpoints the iteration is done first.
-        Problem own = with_functions(
-            std::move(problem), folder ? std::make_shared<std::atomic<bool>>(false) : is_abandoned);
+        // With checkpoints they go on: the run stops as a whole, and is written.
+        Problem own = with_functions(std::move(problem), folder ? nullptr : is_abandoned);
         if (folder)
             return solve_with_checkpoints(std::move(own), options, *folder, after, stages,
                                           is_abandoned);

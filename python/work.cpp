@@ -253,7 +253,9 @@ void without_gil(const std::function<void()>& work) {
     if (may_be_daemon && process().is_ending) hang();
 }
 
-bool is_over(const Flag& is_abandoned) { return *is_abandoned || process().is_ending; }
+bool is_over(const Flag& is_abandoned) {
+    return is_abandoned && (*is_abandoned || process().is_ending);
+}
 
 void check_abandoned(const Flag& is_abandoned) {
     if (is_over(is_abandoned)) throw Abandoned{};

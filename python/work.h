@@ -60,7 +60,7 @@ void without_gil(const std::function<void()>& work);
 
 /// Whether nobody waits for the work.
 using Flag = std::shared_ptr<std::atomic<bool>>;
-/// Whether that is so, or the interpreter ends.
+/// Whether that is so, or the interpreter ends. Null: never.
 bool is_over(const Flag& is_abandoned);
 /// Throws Abandoned where it is.
 void check_abandoned(const Flag& is_abandoned);

@@ -16,11 +16,11 @@ EXAMPLES = ROOT / "examples" / "python"
 NOTEBOOK_FOLDER = ROOT / "docs" / "guide" / "notebooks"
 
 
-def in_two_ranks(work):
-    """What work(ranks) returns in each of two processes, which are threads here."""
+def two_ranks() -> list[burnish.Ranks]:
+    """Those of two processes, which are threads here."""
     barrier, boxes = Barrier(2), [[], []]
 
-    def run(rank):
+    def ranks_of(rank):
         def exchange(messages):
             boxes[rank] = messages
             barrier.wait(60)
@@ -28,10 +28,15 @@ def in_two_ranks(work):
             barrier.wait(60)
             return came
 
-        return work(burnish.Ranks(rank, 2, exchange))
+        return burnish.Ranks(rank, 2, exchange)
 
+    return [ranks_of(0), ranks_of(1)]
+
+
+def in_two_ranks(work):
+    """What work(ranks) returns in each of two processes."""
     with ThreadPoolExecutor(2) as threads:
-        return list(threads.map(run, range(2)))
+        return list(threads.map(work, two_ranks()))
 
 
 def losses_of(example, small, iterations):

@@ -315,6 +315,38 @@ def test_the_interpreter_ends_while_a_daemon_works(scene):
     assert done.returncode == 0 and done.stdout == "ends\n", done.stdout + done.stderr
 
 
+@pytest.mark.parametrize("own_loss", [False, True])
+def test_a_program_that_ctrl_c_ends_leaves_a_checkpoint(scene, tmp_path, own_loss):
+    """The loss returns once the program ends, and then uses what would stop at once."""
+    done = run(textwrap.dedent(INTERRUPTED) + textwrap.dedent(f"""
+        import atexit
+        at_work, ending = threading.Event(), threading.Event()
+        atexit.register(ending.set)
+        def loss(image, view):
+            if at_work.is_set():
+                assert ending.wait(250)
+                time.sleep(0.2)
+                burnish.encode_png(image)
+            return float(((image - target) ** 2).mean()), 2 * (image - target) / image.size
+        problem = burnish.Problem(renderer, target, burnish.Unknown({NAME!r}, 0.5), loss if {own_loss} else None)
+        interrupt(at_work)
+        burnish.solve(problem, iterations=10**6, checkpoints={str(tmp_path)!r}, callback=lambda i: i.number == 2 and at_work.set())
+    """), scene)
+    assert done.returncode != 0 and "KeyboardInterrupt" in done.stderr, done.stdout + done.stderr
+    renderer = burnish.load(scene, size=(32, 32))
+    target = renderer.render(spp=16)
+
+    def loss(image, view):
+        return float(((image - target) ** 2).mean()), 2 * (image - target) / image.size
+
+    problem = burnish.Problem(renderer, target, burnish.Unknown(NAME, 0.5), loss if own_loss else None)
+    heard = []
+    rest = burnish.solve(problem, checkpoints=tmp_path, iterations=10**6, evaluation_spp=2,
+                         callback=lambda i: heard.append(i.number) or len(heard) == 3)
+    assert heard[0] > 2
+    assert rest.state == burnish.solve(problem, iterations=heard[-1] + 1, evaluation_spp=2).state
+
+
 @pytest.mark.parametrize("work", [
     "burnish.solve(problem, iterations=10**8, callback=lambda i: at_work.set() or renderer.render(spp=300000) is None)",
     "burnish.solve(problem, iterations=10**8, callback=lambda i: at_work.set() or burnish.write_image(path, picture))",

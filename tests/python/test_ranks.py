@@ -1,9 +1,12 @@
 """Exchanges between processes that are functions of a test's own: no MPI is needed."""
+import signal
+from concurrent.futures import ThreadPoolExecutor
+
 import pytest
 
 import burnish
 
-from conftest import NAME, in_two_ranks
+from conftest import NAME, in_two_ranks, two_ranks
 
 
 @pytest.mark.parametrize("ranks, error, text", [
@@ -46,3 +49,32 @@ def test_the_first_process_alone_hears_of_iterations(renderer, target):
     (first, told, one), (second, told_second, other) = in_two_ranks(solve)
     assert (first, second) == ([0, 1, 2], []) and one.ending == other.ending == "cancelled"
     assert told == told_second == {"rendering the start", "evaluating the result"}
+
+
+@pytest.mark.parametrize("interrupted", [0, 1])
+def test_ctrl_c_in_one_process_ends_the_run_of_all_with_a_checkpoint(renderer, target, tmp_path, interrupted):
+    def solve(ranks, folder, callback):
+        problem = burnish.Problem(renderer, [target, target], burnish.Unknown(NAME, start=0.5), ranks=ranks)
+        return burnish.solve(problem, batch=2, iterations=5000, evaluation_spp=2, checkpoints=tmp_path / folder, callback=callback)
+
+    def interrupt(*arguments):
+        raise KeyboardInterrupt
+
+    def arm(iteration):
+        if iteration.number == 2:
+            signal.setitimer(signal.ITIMER_REAL, 0.1)
+
+    ranks = two_ranks()
+    own, other = ranks[interrupted], ranks[1 - interrupted]
+    earlier = signal.signal(signal.SIGALRM, interrupt)
+    try:
+        with ThreadPoolExecutor(1) as thread:
+            elsewhere = thread.submit(solve, other, str(other.rank), arm)
+            with pytest.raises(KeyboardInterrupt):
+                solve(own, str(own.rank), arm)
+            assert elsewhere.result().ending == "suspended"
+    finally:
+        signal.signal(signal.SIGALRM, earlier)
+    heard = []
+    rest = solve(None, "0", lambda i: heard.append(i.number) or len(heard) == 2)
+    assert heard[0] > 2 and rest.state == solve(None, "whole", lambda i: i.number == heard[-1]).state
