@@ -3,6 +3,7 @@ from __future__ import annotations
 
 import importlib.util
 import sys
+import threading
 import time
 from typing import Any
 
@@ -48,29 +49,41 @@ def _line(**arguments: Any) -> Any:
 
 
 class Bar:
-    """Hears of the stages and the iterations of one run. total: iterations, where they are known, those before this call
-    included."""
+    """Hears of the stages and the iterations of one run, until it is closed, by any thread. total: iterations, where they
+    are known, those before this call included."""
 
     def __init__(self, total: int | None) -> None:
         self.total = total
         self.title: str | None = None
         self.line: Any = None
+        self.closed = False
+        self.lock = threading.Lock()
 
     def begin(self, title: str, total: int | None, initial: int = 0) -> None:
         if self.title != title:
-            self.close()
+            self.end()
             self.title, self.line = title, _line(total=total, desc=title, initial=initial, mininterval=0.2)
 
-    def stage(self, name: str, share: float) -> None:
-        self.begin(name, 100)
-        self.line.update(100 * share - self.line.n)
-
-    def iteration(self, iteration: Iteration) -> None:
-        self.begin("iteration", self.total, iteration.number)
-        self.line.set_postfix_str(f"loss {iteration.loss:.4g}", refresh=False)
-        self.line.update(iteration.number + 1 - self.line.n)
-
-    def close(self) -> None:
+    def end(self) -> None:
         if self.line is not None:
             self.line.close()
-            self.line = None
+
+    def stage(self, name: str, share: float) -> None:
+        with self.lock:
+            if self.closed:
+                return
+            self.begin(name, 100)
+            self.line.update(100 * share - self.line.n)
+
+    def iteration(self, iteration: Iteration) -> None:
+        with self.lock:
+            if self.closed:
+                return
+            self.begin("iteration", self.total, iteration.number)
+            self.line.set_postfix_str(f"loss {iteration.loss:.4g}", refresh=False)
+            self.line.update(iteration.number + 1 - self.line.n)
+
+    def close(self) -> None:
+        with self.lock:
+            self.closed = True
+            self.end()

@@ -2,6 +2,7 @@
 import base64
 import re
 import sys
+import threading
 import types
 
 import numpy as np
@@ -167,3 +168,23 @@ def test_the_line_is_like_tqdms():
     assert bar.line.n == 50
     bar.close()
     bar.close()
+
+
+def test_a_bar_that_another_thread_closes_shows_no_more(monkeypatch):
+    """As Ctrl-C does, while the thread of the run shows an iteration."""
+    closing, postfixes = [], []
+
+    class Line(_Line):
+        def set_postfix_str(self, text, refresh=True):
+            postfixes.append(text)
+            closing.append(threading.Thread(target=bar.close))
+            closing[-1].start()
+            closing[-1].join(0.2)  # comes after the iteration
+
+    monkeypatch.setattr("burnish._bar._line", lambda **arguments: Line(**arguments))
+    bar = Bar(None)
+    for number in range(2):
+        bar.iteration(types.SimpleNamespace(number=number, loss=1.0))
+        closing[0].join()
+    bar.stage("evaluating", 0.5)
+    assert postfixes == ["loss 1"] and bar.title == "iteration"
