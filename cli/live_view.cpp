@@ -6,7 +6,8 @@
 
 namespace burnish {
 
-LiveView::LiveView(const RunResult& run, const OutputFolder& output, const std::string& part) {
+LiveView::LiveView(const RunResult& run, const OutputFolder& output, const std::string& part)
+    : run_(run) {
     if (run.settings.run.live.empty() || !is_first(run.ranks)) return;
     const std::string title = without_slash(output.folder).filename().string();
     live_.emplace(run.settings.run.live, part.empty() ? title : title + "/" + part, note_.hear());
@@ -18,9 +19,11 @@ void LiveView::update(const Solver& solver) {
     warn();
 }
 
-void LiveView::finish(const Problem& problem, const Summary& summary) {
+void LiveView::finish(const Summary& summary) {
     if (!live_) return;
-    live_->show(problem, summary);
+    for (std::size_t i = 0; i < summary.textures.size(); ++i)
+        live_->show(run_.textures[i].name, summary.textures[i].values);
+    live_->show(run_.views, summary.result);
     live_.reset();
     warn();
 }

@@ -14,18 +14,19 @@ namespace burnish {
 /// Shows nothing where there is no address. Warns once where no viewer takes the images.
 class LiveView {
   public:
-    /// Of the first process of a run. Images are named after the folder. part: of a second run.
+    /// Of the first process of a run, which outlives this. Images are named after the folder. part:
+    /// of a second run.
     LiveView(const RunResult& run, const OutputFolder& output, const std::string& part = {});
 
-    bool is_shown() const { return live_.has_value(); }
     /// After an iteration.
     void update(const Solver& solver);
-    /// The result.
-    void finish(const Problem& problem, const Summary& summary);
+    /// The result, beside the pictures that the run has read.
+    void finish(const Summary& summary);
 
   private:
     void warn();
 
+    const RunResult& run_;
     Note note_;
     std::optional<Live> live_;
 };

@@ -39,8 +39,6 @@ EvaluatedRun solve_with_progress(Problem problem, const Options& options,
         if (share == 1) searches = false;
         tell(stage, share);
     };
-    std::optional<Problem> shown;
-    if (live.is_shown()) shown = problem;
     EvaluatedRun run{options, {}, {}};
     try {
         const StopQuestion stop = [&] { return searches && interrupted(); };
@@ -53,8 +51,8 @@ EvaluatedRun solve_with_progress(Problem problem, const Options& options,
         end_interrupted("stopped while the start was searched: nothing of this run is kept");
     }
     if (run.summary.ending == Ending::kSuspended) checkpoints.suspend();
-    if (shown) live.finish(*shown, run.summary);
     run.summary.state = State();  // a path cache is large, and nothing goes on from here
+    live.finish(run.summary);
     return run;
 }
 

@@ -59,10 +59,10 @@ struct Live::Impl {
     }
 
     /// The picture and the image beside it; returns how many pixels it was.
-    std::size_t show_view(const Problem& problem, std::size_t v, const Image& image,
+    std::size_t show_view(const std::vector<View>& views, std::size_t v, const Image& image,
                           const ExposureFactors& exposure) {
         if (image.width == 0) return 0;
-        const View& view = problem.views[v];
+        const View& view = views[v];
         const std::string name = name_of(view, v), picture = name + " picture";
         if (!sender.has_shown(title + "/" + picture)) show(picture, view.image);
         show(name, exposed(exposure, shown(image)));
@@ -97,7 +97,7 @@ void Live::update(const Solver& solver) {
     std::size_t pixels = 0;
     for (std::size_t n = 0; n < problem.views.size() && pixels < kPixels; ++n) {
         const std::size_t v = impl_->next_view++ % problem.views.size();
-        pixels += impl_->show_view(problem, v, solver.image(v), solver.exposure(v));
+        pixels += impl_->show_view(problem.views, v, solver.image(v), solver.exposure(v));
     }
     const Clock::time_point end = Clock::now();
     const double cost = Seconds(end - begin).count() + impl_->sender.cost();
@@ -108,9 +108,12 @@ void Live::update(const Solver& solver) {
 void Live::show(const Problem& problem, const Summary& summary) {
     for (std::size_t i = 0; i < summary.textures.size(); ++i)
         impl_->show(problem.unknowns[i].name, summary.textures[i].values);
-    const std::vector<ViewEvaluation>& views = summary.result.views;
-    for (std::size_t v = 0; v < views.size(); ++v)
-        impl_->show_view(problem, v, views[v].image, views[v].exposure);
+    show(problem.views, summary.result);
+}
+
+void Live::show(const std::vector<View>& views, const Evaluation& result) {
+    for (std::size_t v = 0; v < result.views.size(); ++v)
+        impl_->show_view(views, v, result.views[v].image, result.views[v].exposure);
 }
 
 }  // namespace burnish
