@@ -6,6 +6,7 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <cstring>
 #include <memory>
@@ -61,9 +62,10 @@ bool is_port(const std::string& text) {
 Address parse_address(const std::string& text, const Address& missing) {
     const std::size_t bracket = text.rfind(']');
     const std::size_t colon = text.find(':', bracket == std::string::npos ? 0 : bracket);
-    Address address{text.substr(0, colon), missing.port};
+    const std::size_t end = std::min(colon, text.size());  // of the host
+    Address address{text.substr(0, end), missing.port};
     if (colon != std::string::npos) address.port = text.substr(colon + 1);
-    if (bracket != std::string::npos && address.host.starts_with('['))
+    if (address.host.starts_with('[') && bracket + 1 == end && end > 2)
         address.host = text.substr(1, bracket - 1);
     if (address.host.empty()) address.host = missing.host;
     if (text.empty() || !is_port(address.port) ||

@@ -87,8 +87,8 @@ TEST(Addresses, AreHostAndPort) {
     EXPECT_EQ(text("studio:80"), "studio 80");
     EXPECT_EQ(text("[::1]:80"), "::1 80");
     EXPECT_EQ(text("[::1]"), "::1 14158");
-    for (const char* wrong :
-         {"", ":", "a:b", "a:", "a:65536", "a:-1", "a:1:2", "::1", "scenes/a.xml", "a b"})
+    for (const char* wrong : {"", ":", "a:b", "a:", "a:65536", "a:-1", "a:1:2", "::1",
+                              "scenes/a.xml", "a b", "[::1]9000", "[::1]x:9000", "[]:80", "[]"})
         EXPECT_THROW(parse_address(wrong, missing), InputError) << wrong;
     for (const char* wrong : {"", "a:b"}) EXPECT_THROW(Live{wrong}, InputError) << wrong;
 }
