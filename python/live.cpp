@@ -2,10 +2,12 @@
 #include "burnish/live.h"
 
 #include <nanobind/stl/string.h>
+#include <unistd.h>
 
 #include <optional>
 #include <utility>
 
+#include "burnish/error.h"
 #include "core/note.h"
 #include "python/arrays.h"
 #include "python/bindings.h"
@@ -31,7 +33,13 @@ class PythonLive {
     PythonLive(const PythonLive&) = delete;
     PythonLive& operator=(const PythonLive&) = delete;
 
-    Live& get() { return *live_; }
+    Live& get() {
+        if (process_ != getpid())
+            throw Error(
+                "this process was forked after burnish.live, and threads are not forked: call it "
+                "in this process, too");
+        return *live_;
+    }
     void warn() const {
         if (!show_warning()) nb::raise_python_error();
     }
@@ -43,6 +51,7 @@ class PythonLive {
         return text.empty() || PyErr_WarnEx(PyExc_RuntimeWarning, text.c_str(), 1) == 0;
     }
 
+    pid_t process_ = getpid();  ///< which has the thread
     Note note_;
     std::optional<Live> live_;
 };

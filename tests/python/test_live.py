@@ -1,4 +1,5 @@
 """Images sent to a viewer beside a run, to a receiver that reads tev's protocol."""
+import os
 import socket
 import struct
 import threading
@@ -109,6 +110,24 @@ def test_one_picture_without_a_viewer_warns(nobody):
     live.show("a", np.zeros((1, 1), np.float32))
     with pytest.warns(RuntimeWarning, match=f"no viewer takes images at {nobody}"):
         del live
+
+
+def test_a_fork_cannot_use_the_viewer(nobody):
+    live = burnish.live(nobody)
+    read, write = os.pipe()
+    child = os.fork()
+    if child == 0:
+        try:
+            for use in (lambda: live.show("a", np.zeros((1, 1))), lambda: live.close("a"), lambda: live.open("a.exr")):
+                with pytest.raises(burnish.Error) as caught:
+                    use()
+                os.write(write, str(caught.value).encode() + b"\n")
+        finally:
+            os._exit(0)
+    os.close(write)
+    with open(read) as said:
+        assert said.read().count("forked after burnish.live") == 3
+    os.waitpid(child, 0)
 
 
 def test_a_callback_sees_textures_and_no_later(problem, nobody):
