@@ -99,8 +99,9 @@ void bind_live(nb::module_& m) {
         nb::rv_policy::take_ownership, nb::arg("address") = Live::kAddress,
         nb::arg("title") = "burnish",
         "Sends images to a running tev at 'HOST:PORT', named 'title/name', from a thread of its "
-        "own: no call waits for the\nviewer. What it does not take is left out; where there is "
-        "none, a warning says so once, and it is looked for again\nevery second.");
+        "own: no call waits for the\nviewer. What it does not take is left out. Where there is "
+        "none, or it is too slow for the last images, a warning says so\nonce; it is looked for "
+        "again every second.");
 }
 
 }  // namespace burnish::python

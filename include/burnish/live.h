@@ -17,8 +17,8 @@ class Live {
     static constexpr const char* kAddress = "127.0.0.1:14158";
 
     /// address: "HOST:PORT", "HOST" or ":PORT". Images are named "title/name". note: hears once, in
-    /// a sentence, why nothing is shown; from the other thread, never after the destructor, which
-    /// it does not call; what it throws is dropped. Throws InputError: no address.
+    /// a sentence, why images are not shown; from the other thread or from the destructor, never
+    /// after it, and does not call it; what it throws is dropped. Throws InputError: no address.
     explicit Live(const std::string& address = kAddress, std::string title = "burnish",
                   std::function<void(const std::string&)> note = {});
     Live(Live&&) noexcept;

@@ -103,4 +103,10 @@ void Connection::send(std::string_view bytes) {
     }
 }
 
+bool Connection::has_ended() const {
+    char byte = 0;
+    const ssize_t came = recv(socket_, &byte, 1, MSG_PEEK | MSG_DONTWAIT);
+    return came == 0 || (came < 0 && errno != EAGAIN && errno != EWOULDBLOCK && errno != EINTR);
+}
+
 }  // namespace burnish

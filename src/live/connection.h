@@ -24,6 +24,8 @@ class Connection {
 
     /// Throws ResourceError: the other side has gone, or takes nothing for two seconds.
     void send(std::string_view bytes);
+    /// Whether the other side is known to have gone: what is sent then may be lost without a word.
+    bool has_ended() const;
 
   private:
     int socket_ = -1;

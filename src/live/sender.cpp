@@ -99,6 +99,15 @@ class Batch {
     std::optional<Connection>& connection_;
 };
 
+void tell(const std::function<void(const std::string&)>& note, const std::string& text) {
+    try {
+        note(text);
+    } catch (...) {  // nobody waits for the thread, and destructors throw nothing
+    }
+}
+
+std::string text_of(const Address& address) { return address.host + ":" + address.port; }
+
 /// The viewer is not there, or not any more.
 void give_up(SenderState& s, std::unique_lock<std::mutex>& lock, const std::string& reason) {
     s.queue.clear();
@@ -108,20 +117,26 @@ void give_up(SenderState& s, std::unique_lock<std::mutex>& lock, const std::stri
     if (!note) return;
     s.telling = true;
     lock.unlock();
-    try {
-        note("no viewer takes images at " + s.address.host + ":" + s.address.port + " (" + reason +
-             "): nothing is shown until one does");
-    } catch (...) {  // nobody waits for this thread
-    }
+    tell(note, "no viewer takes images at " + text_of(s.address) + " (" + reason +
+                   "): nothing is shown until one does");
     note = nullptr;  // what it holds goes, too, before the sender may
     lock.lock();
     s.telling = false;
+}
+
+/// A viewer that comes in the place of one that has gone has no images.
+void drop_ended(SenderState& s, std::optional<Connection>& connection) {
+    if (!connection || !connection->has_ended()) return;
+    connection.reset();
+    const std::lock_guard lock(s.mutex);
+    s.shown.clear();
 }
 
 /// What is wrong; empty: nothing.
 std::string send_all(SenderState& s, const std::vector<Message>& messages,
                      std::optional<Connection>& connection) {
     try {
+        drop_ended(s, connection);
         Batch batch(s, connection);
         for (const Message& m : messages)
             if (!s.abandoned) batch.send(m);
@@ -165,14 +180,18 @@ Sender::Sender(Address address, std::function<void(const std::string&)> note)
 Sender::~Sender() {
     SenderState& s = *state_;
     if (s.process != getpid()) return;
-    std::function<void(const std::string&)> unheard;  // what it holds goes without the lock
     std::unique_lock lock(s.mutex);
     s.closed = true;
     s.changed.notify_all();
-    s.changed.wait_for(lock, kUntilAbandoned, [&] { return s.queue.empty() && !s.busy; });
+    const bool is_sent =
+        s.changed.wait_for(lock, kUntilAbandoned, [&] { return s.queue.empty() && !s.busy; });
     s.abandoned = true;
-    unheard = std::exchange(s.note, nullptr);
+    const auto note = std::exchange(s.note, nullptr);
     s.changed.wait(lock, [&] { return !s.telling; });
+    lock.unlock();  // what the note holds goes without it
+    if (note && !is_sent)
+        tell(note, "the viewer at " + text_of(s.address) +
+                       " was too slow for the last images: not all of them are shown");
 }
 
 void Sender::push(Message message) {

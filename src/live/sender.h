@@ -21,8 +21,8 @@ struct SenderState;
 
 class Sender {
   public:
-    /// note: hears once why nothing is sent, from the thread; never after the destructor, which
-    /// waits for it. It does not destroy the sender.
+    /// note: hears once why images are not sent, from the thread or from the destructor, never
+    /// after it. It does not destroy the sender.
     Sender(Address address, std::function<void(const std::string&)> note);
     /// Waits until everything is sent, a second at most, and for a note that is under way.
     ~Sender();

@@ -257,11 +257,11 @@ std::set<std::string> threads() {
     return all;
 }
 
-/// Live waits for a second, its thread for two after the last byte. A note before Live's end, which
-/// a busy machine can bring about, leaves nothing to hear after it.
-TEST(LiveTest, AfterItsEndNobodyHearsOfAViewerThatTakesNothing) {
-    bool heard_before = true;
-    for (int attempt = 0; attempt < 20 && heard_before; ++attempt) {
+/// Live waits for a second, its thread for two after the last byte; on a busy machine the thread
+/// may be the first.
+TEST(LiveTest, ItsEndTellsOfAViewerThatTakesNothingAndNobodyHearsOfItLater) {
+    bool told_at_end = false;
+    for (int attempt = 0; attempt < 20 && !told_at_end; ++attempt) {
         Receiver receiver(Receiver::Manner::kTakesNothing);
         Notes notes;
         std::set<std::string> own;
@@ -272,13 +272,16 @@ TEST(LiveTest, AfterItsEndNobodyHearsOfAViewerThatTakesNothing) {
                 if (!others.contains(thread)) own.insert(thread);
             live.show("image", make_image(2000, 1000, 3));
         }
-        heard_before = !notes.heard().empty();
+        ASSERT_EQ(notes.heard().size(), 1u);
+        told_at_end =
+            notes.heard()[0] == "the viewer at " + receiver.address() +
+                                    " was too slow for the last images: not all of them are shown";
         ASSERT_EQ(own.size(), 1u);
         while (threads().contains(*own.begin()))
             std::this_thread::sleep_for(std::chrono::milliseconds(1));
-        EXPECT_EQ(notes.heard().size(), heard_before ? 1u : 0u);
+        EXPECT_EQ(notes.heard().size(), 1u);
     }
-    EXPECT_FALSE(heard_before);
+    EXPECT_TRUE(told_at_end);
 }
 
 TEST(LiveTest, WaitsForANoteThatIsUnderWay) {
@@ -301,15 +304,13 @@ TEST(LiveTest, AViewerThatComesBackIsShownEverything) {
     auto first = std::make_unique<Receiver>(Receiver::Manner::kReads, taken.port);
     Notes notes;
     Live live(first->address(), "run", notes.hear());
-    live.show("image", make_image(4, 4, 3));
-    EXPECT_TRUE(first->sees([](const Viewer& v) { return v.images.count("run/image"); }));
+    live.show("image", make_image(4, 4, 3, 0.5f));
+    EXPECT_TRUE(first->sees([](const Viewer& v) { return has_last(v, "run/image", 0.5f); }));
     first.reset();
     Receiver second(Receiver::Manner::kReads, taken.port);
-    EXPECT_TRUE(second.sees([&](const Viewer& v) {
-        live.show("image", make_image(4, 4, 3, 1.0f));
-        return v.images.count("run/image") == 1;
-    }));
-    EXPECT_EQ(notes.heard().size(), 1u);
+    live.show("image", make_image(4, 4, 3, 1.0f));
+    EXPECT_TRUE(second.sees([](const Viewer& v) { return has_last(v, "run/image", 1.0f); }));
+    EXPECT_TRUE(notes.heard().empty()) << notes.heard()[0];
 }
 
 TEST(LiveTest, AForkOfTheProcessShowsNothingAndEnds) {

@@ -112,6 +112,14 @@ def test_one_picture_without_a_viewer_warns(nobody):
         del live
 
 
+def test_a_viewer_that_is_too_slow_for_the_last_images_is_told_of():
+    with socket.create_server(("127.0.0.1", 0)) as listening:  # and takes nothing
+        live = burnish.live("127.0.0.1:%d" % listening.getsockname()[1])
+        live.show("large", np.zeros((2000, 1000, 3), np.float32))
+        with pytest.warns(RuntimeWarning, match="the viewer at 127.0.0.1:[0-9]* was too slow|no viewer takes images"):
+            del live
+
+
 def test_a_fork_cannot_use_the_viewer(nobody):
     live = burnish.live(nobody)
     read, write = os.pipe()
