@@ -71,7 +71,7 @@ Format detect(std::string_view bytes) {
     if (starts("\xff\xd8\xff")) return Format::kJpeg;
     if (starts("\x76\x2f\x31\x01")) return Format::kExr;
     if ((starts("PF") || starts("Pf")) && bytes.find_first_of(" \t\r\n") == 2) return Format::kPfm;
-    if (starts("#?RADIANCE") || starts("#?RGBE")) return Format::kHdr;
+    if (starts("#?")) return Format::kHdr;
     if (starts("BM")) return Format::kStb;
     return formats::looks_like_tga(bytes) ? Format::kStb : Format::kUnknown;
 }

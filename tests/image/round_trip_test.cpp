@@ -190,6 +190,17 @@ TEST_F(ImageFiles, HdrExposureAndColorCorrectionDoNotCount) {
     EXPECT_EQ(read_image_file(write("a", corrected)).image, expected);
 }
 
+TEST_F(ImageFiles, HdrOfOtherProgramsThanRadiance) {
+    const std::string bytes = make_hdr(smooth_image(22, 11, 3), true);
+    const Image expected = read_image_file(write("a", bytes)).image;
+    for (const char* program : {"RGBE", "AUTOPANO11"}) {
+        std::string other = bytes;
+        other.replace(2, other.find('\n') - 2, program);
+        EXPECT_EQ(read_image_file(write("a", other)).image, expected) << program;
+    }
+    EXPECT_THROW(read_image_file(write("a", "#?/bin/sh\necho\n")), InputError);
+}
+
 TEST_F(ImageFiles, PfmWithCarriageReturns) {
     Image image = smooth_image(7, 5, 3);
     image.values[image.index(0, 4)] = std::bit_cast<float>(0x0a123456);  // begins as a line ends
