@@ -57,16 +57,21 @@ void describe_channels(MaskFile& mask) {
     }
 }
 
+/// The weight of code 1, the largest of masks of 0 and 1, as segmentation programs write them; 0
+/// where it is white, or the file has no codes. Of a palette the codes are those of its colours.
+float code_one_of(const ImageFile& read) {
+    if (read.encoding == PixelEncoding::kFloat) return 0;
+    const int bits = read.image.channels == 1 ? read.bits : std::max(read.bits, 8);
+    return bits == 1 ? 0 : 1 / static_cast<float>((1 << bits) - 1);
+}
+
 }  // namespace
 
 MaskFile read_mask(const std::filesystem::path& file, Turning turning) {
     ImageFile read = read_numbers_file(file);
     require_no_overscan(read, file.string());
     if (turning == Turning::kAsStored) read.orientation = 1;
-    // Codes of 0 and 1, as segmentation programs write them.
-    const float one_code = read.encoding == PixelEncoding::kUnorm8    ? 1.0f / 255
-                           : read.encoding == PixelEncoding::kUnorm16 ? 1.0f / 65535
-                                                                      : 0.0f;
+    const float one_code = code_one_of(read);
     MaskFile mask = weights_of_file(std::move(read));
     const std::string named = fmt::format("the mask ({})", file.string());
     require_finite(mask.weights, named);

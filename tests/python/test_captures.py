@@ -1,6 +1,8 @@
 """Captures and the cameras of other programs."""
 import json
+import struct
 import subprocess
+import zlib
 
 import numpy as np
 import pytest
@@ -155,6 +157,31 @@ def test_views_are_held_out_by_name(board, folder):
     for wrong in (3, [3], None):
         with pytest.raises(TypeError, match="^held_out: expected names of views, found "):
             burnish.read_capture(folder / "capture.json", held_out=wrong)
+
+
+def gray_png(bits, code):
+    """32 x 32 pixels, all of one code."""
+    def chunk(kind, data):
+        return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
+
+    row = bytes(1) + bytes([sum(code << shift for shift in range(0, 8, bits))] * (4 * bits))
+    return (b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", struct.pack(">IIBBBBB", 32, 32, bits, 0, 0, 0, 0))
+            + chunk(b"IDAT", zlib.compress(32 * row)) + chunk(b"IEND", b""))
+
+
+@pytest.mark.parametrize("bits", [1, 2, 4, 8])
+def test_masks_of_codes_0_and_1(folder, bits):
+    capture = folder / "capture.json"
+    capture.write_text(capture.read_text().replace("mask.exr", "mask.png"))
+    (folder / "mask.png").write_bytes(gray_png(bits, 1))
+    if bits == 1:  # white
+        assert burnish.read_capture(capture).views[0].mask.min() == 1
+        return
+    white = 2**bits - 1
+    with pytest.raises(burnish.InputError, match=f"holds no code above 1, .* expected weights from 0 to 1, whose code is {white}"):
+        burnish.read_capture(capture)
+    (folder / "mask.png").write_bytes(gray_png(bits, 2))
+    np.testing.assert_allclose(burnish.read_capture(capture).views[0].mask, 2 / white, rtol=1e-6)
 
 
 def test_messages(folder):
