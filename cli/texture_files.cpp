@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "captures/pictures.h"
+#include "image/texels.h"
 #include "image/whole.h"
 #include "optimize/option_value.h"
 
@@ -16,6 +17,8 @@ Image read_texels(const Bitmap& bitmap, const std::string& text, const std::stri
         return make_image(bitmap.width, bitmap.height, bitmap.channels,
                           static_cast<float>(*number));
     ImageFile file = read_image_file(text);
+    const auto least = [](int side) { return side == kBitmapSide ? kBitmapSide : 1; };
+    file.image = padded_to(std::move(file.image), least(bitmap.width), least(bitmap.height));
     const std::string named = fmt::format("{} ({})", what, text);
     require_size(file.image, bitmap.width, bitmap.height, named, "the size of the texture");
     require_finite(file.image, named);

@@ -12,9 +12,9 @@
 namespace burnish {
 
 /// Texels for a bitmap, from a number as text (fills every channel) or an image file of the
-/// bitmap's size. Integer files are sRGB-decoded unless the bitmap is raw; RGB for a one-channel
-/// bitmap becomes luminance, gray for RGB is repeated. Throws InputError; `what` says whose value
-/// it is.
+/// bitmap's size, or of that of the scene's file, which may be one texel wide or high. Integer
+/// files are sRGB-decoded unless the bitmap is raw; RGB for a one-channel bitmap becomes luminance,
+/// gray for RGB is repeated. Throws InputError; `what` says whose value it is.
 Image read_texels(const Bitmap& bitmap, const std::string& text, const std::string& what);
 
 /// A linear image of the given size, 1 or 3 channels. Throws InputError that says both sizes, or

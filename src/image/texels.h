@@ -10,6 +10,9 @@ namespace burnish {
 /// An image with sides of at least so many pixels: its last column and row are repeated.
 Image padded_to(Image image, int width, int height);
 
+/// Columns and rows that a bitmap has at least, as in Mitsuba.
+inline constexpr int kBitmapSide = 2;
+
 /// Rows that an environment has at least: Mitsuba repeats the last of two.
 inline constexpr int kEnvironmentRows = 3;
 

@@ -54,7 +54,7 @@ Bitmap read_bitmap(Loader& loader, Properties& properties) {
     ignore(properties, {"format", "accel", "cache", "max_anisotropy"});  // how Mitsuba reads texels
 
     ImageFile file = load_image(loader, properties.node->place, bitmap.file);
-    file.image = padded_to(std::move(file.image), 2, 2);
+    file.image = padded_to(std::move(file.image), kBitmapSide, kBitmapSide);
     bitmap.width = file.image.width;
     bitmap.height = file.image.height;
     bitmap.channels = file.image.channels;

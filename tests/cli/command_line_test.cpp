@@ -120,6 +120,21 @@ TEST_F(CommandLine, IntegerTexturesAreDecodedUnlessTheSceneSaysRaw) {
               render(fmt::format("base_color={:.9g}", srgb_to_linear(128.0f / 255))));
 }
 
+TEST_F(CommandLine, ATextureThatIsOneTexelWideFitsItsOwnFile) {
+    write_scene();
+    write_image(folder / "color.exr", Image{1, 3, 3, {0.1f, 0.2f, 0.3f, 0, 0.5f, 1, 1, 0.7f, 0}});
+    ASSERT_EQ(run("render scene.xml -o own.exr").code, 0);
+    const Outcome same = run("render scene.xml -o same.exr --texture base_color=color.exr");
+    ASSERT_EQ(same.code, 0) << same.err;
+    EXPECT_EQ(read_text(folder / "same.exr"), read_text(folder / "own.exr"));
+    const Outcome start =
+        run("optimize scene.xml --parameter base_color --init color.exr --iterations 1 "
+            "--target-spp 1 --evaluation-spp 1 -o out");
+    EXPECT_EQ(start.code, 0) << start.err;
+    write_image(folder / "other.exr", make_image(1, 4, 3, 0.5f));
+    EXPECT_EQ(run("render scene.xml -o other_look.exr --texture base_color=other.exr").code, 65);
+}
+
 TEST_F(CommandLine, WritesTheBuiltInScene) {
     ASSERT_EQ(run("scene goblet -o g --texture-size 32").code, 0);
     const Outcome info = run("info g/scene.xml --json");
