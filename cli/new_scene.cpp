@@ -15,6 +15,7 @@
 #include "mitsuba/load.h"
 #include "scenes/scene_files.h"
 #include "scenes/scene_xml.h"
+#include "shading/lens.h"
 #include "texture/charts.h"
 
 namespace burnish {
@@ -156,9 +157,10 @@ bool looks_at(const Camera& camera, const MeshCheck& check) {
     const Vec3<double> d = to_double(check.box.center()) - Vec3<double>{m[3], m[7], m[11]};
     const Vec3<double> p{m[0] * d.x + m[4] * d.y + m[8] * d.z, m[1] * d.x + m[5] * d.y + m[9] * d.z,
                          m[2] * d.x + m[6] * d.y + m[10] * d.z};
-    if (!(p.z > 0)) return false;
-    const double x = camera.focal_x * p.x / p.z + camera.center_x,
-                 y = camera.focal_y * p.y / p.z + camera.center_y;
+    if (sees_by_plane(camera.lens.kind) && !(p.z > 0)) return false;
+    const Vec2<double> u = distort(camera.lens, p);
+    const double x = camera.focal_x * u.x + camera.center_x,
+                 y = camera.focal_y * u.y + camera.center_y;
     return x >= 0 && x <= camera.width && y >= 0 && y <= camera.height;
 }
 

@@ -651,6 +651,33 @@ TEST_F(NewSceneTest, TakesTheCameraOfTheFirstPicture) {
     EXPECT_TRUE(contains(away.err, "lies in 0 of 1 pictures")) << away.err;
 }
 
+/// Through a pinhole it would lie aside of each, or behind the camera.
+TEST_F(NewSceneTest, ALensMayShowTheMeshWhereAPinholeWouldNot) {
+    struct Case {
+        const char* lens;
+        double x, z;     // of the camera, which looks along -z; the mesh's middle: (1, 0.5, 1)
+        bool is_inside;  // of the picture
+    };
+    const Case cases[] = {
+        {R"("camera_model": "OPENCV_FISHEYE", "fl_x": 18, "fl_y": 18)", -9, 2, true},
+        {R"("camera_model": "OPENCV_FISHEYE", "fl_x": 18, "fl_y": 18)", -9, 0.5, true},
+        {R"("camera_model": "OPENCV_FISHEYE", "fl_x": 18, "fl_y": 18)", -9, -4, false},
+        {R"("camera_model": "OPENCV", "k1": -0.1, "fl_x": 28, "fl_y": 28)", -5, 6, true},
+        {R"("camera_model": "OPENCV", "k1": -0.1, "fl_x": 28, "fl_y": 28)", -5, -4, false},
+        {R"("fl_x": 28, "fl_y": 28)", -5, 6, false},
+    };
+    for (const Case& c : cases) {
+        write_text(folder / "transforms.json", fmt::format(R"({{"w": 60, "h": 60, {},
+            "frames": [{{"file_path": "a.png",
+            "transform_matrix": [[1,0,0,{}], [0,1,0,0.5], [0,0,1,{}], [0,0,0,1]]}}]}})",
+                                                           c.lens, c.x, c.z));
+        fs::remove_all(folder / "scene");
+        const Outcome made = run("new --mesh model.obj --views transforms.json -o scene");
+        EXPECT_EQ(made.code, 0) << made.err;
+        EXPECT_EQ(contains(made.err, "lies in 0 of 1 pictures"), !c.is_inside) << c.lens << c.z;
+    }
+}
+
 TEST_F(NewSceneTest, SaysWhereTheCameraHasOtherPixelsThanThePicture) {
     std::string views = transforms_at(5);
     const std::string focal = R"("fl_y": 60)";
