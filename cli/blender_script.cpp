@@ -77,10 +77,20 @@ def coordinates(tree, to_uv):
     return combined.outputs["Vector"]
 
 
+def image(file, color_space):
+    """One for each colour space that a file is read in: Blender's image has one."""
+    path = os.path.join(folder(), file)
+    for known in bpy.data.images:
+        if bpy.path.abspath(known.filepath) == path and known.colorspace_settings.name == color_space:
+            return known
+    new = bpy.data.images.load(path)
+    new.colorspace_settings.name = color_space
+    return new
+
+
 def texture(tree, t):
     node = tree.nodes.new("ShaderNodeTexImage")
-    node.image = bpy.data.images.load(os.path.join(folder(), t["file"]), check_existing=True)
-    node.image.colorspace_settings.name = t["color_space"]
+    node.image = image(t["file"], t["color_space"])
     node.interpolation, node.extension = t["interpolation"], t["extension"]
     if FLIP_V or t["to_uv"] != [1, 0, 0, 0, 1, 0]:
         tree.links.new(coordinates(tree, t["to_uv"]), node.inputs["Vector"])

@@ -30,7 +30,6 @@ def cut(name, size=63):
 class Node:
     def __init__(self, kind):
         self.kind = kind
-        self.image = types.SimpleNamespace(colorspace_settings=types.SimpleNamespace())
         self.inputs = collections.defaultdict(lambda: types.SimpleNamespace(link=None))
         self.outputs = self  # each output is the node
 
@@ -56,10 +55,19 @@ class Materials(dict):
         return self[name]
 
 
+class Images(list):
+    def load(self, file, check_existing=False):
+        for image in self:
+            if check_existing and image.filepath == file:
+                return image
+        self.append(types.SimpleNamespace(filepath=file, colorspace_settings=types.SimpleNamespace(name="sRGB")))
+        return self[-1]
+
+
 def materials_of(script, monkeypatch, runs=1):
     """What the script makes: of each material the inputs of its Principled BSDF."""
-    images = types.SimpleNamespace(load=lambda file, check_existing: Node(file).image)
-    bpy = types.SimpleNamespace(data=types.SimpleNamespace(materials=Materials(), images=images),
+    bpy = types.SimpleNamespace(data=types.SimpleNamespace(materials=Materials(), images=Images()),
+                                path=types.SimpleNamespace(abspath=lambda path: path),
                                 context=types.SimpleNamespace(space_data=None, selected_objects=[]))
     monkeypatch.setitem(sys.modules, "bpy", bpy)
     for _ in range(runs):
@@ -84,6 +92,30 @@ def script(program, tmp_path):
 @pytest.fixture
 def materials(script, monkeypatch):
     return materials_of(script, monkeypatch)
+
+
+@pytest.fixture
+def shared_script(program, tmp_path):
+    """Of a material whose colour and roughness are one file, whose metal is a PFM, and of which a number was recovered."""
+    burnish.write_image(tmp_path / "both.png", np.full((2, 2, 1), 0.5))
+    burnish.write_image(tmp_path / "metal.pfm", np.full((2, 2, 1), 0.5))
+    texture = """<texture type="bitmap" name="{}"><string name="filename" value="{}"/>
+      <boolean name="raw" value="{}"/></texture>"""
+    textures = [("base_color", "both.png", "false"), ("roughness", "both.png", "true"), ("metallic", "metal.pfm", "true")]
+    base = "".join(texture.format(*t) for t in textures)
+    (tmp_path / "scene.xml").write_text(SCENE.format(color="", base=base, none="none"), encoding="utf-8")
+    burnish.write_image(tmp_path / "number.exr", np.full((2, 2, 1), 0.5))
+    subprocess.run([program, "optimize", "scene.xml", "--parameter=constant.anisotropic", "--init", "0.4", "--iterations", "1",
+                    "--target-spp", "1", "--evaluation-spp", "1", "-o", "out"], cwd=tmp_path, check=True)
+    return tmp_path / "out/import_into_blender.py"
+
+
+def test_a_file_has_an_image_for_each_colour_space(shared_script, monkeypatch):
+    inputs = materials_of(shared_script, monkeypatch, runs=2)["constant"]
+    color, roughness = (inputs[name].link.image for name in ("Base Color", "Roughness"))
+    assert color.filepath == roughness.filepath == str(shared_script.parent / "scene/both.png")
+    assert [i.colorspace_settings.name for i in (color, roughness)] == ["sRGB", "Non-Color"]
+    assert [i.filepath for i in sys.modules["bpy"].data.images].count(color.filepath) == 2, "a second run finds them"
 
 
 def test_a_tangent_where_there_is_anisotropy(materials):
