@@ -183,6 +183,7 @@ ScriptJson texture_json(const Bitmap& bitmap, const std::string& file, bool colo
 struct ScriptMaterial {
     const LoadedScene& loaded;
     const RunResult& run;
+    bool has_scene;  ///< files in scene/
     ScriptJson inputs = ScriptJson::object();
 };
 
@@ -204,7 +205,8 @@ ScriptJson value_json(const Image& texels, bool color) {
     return rgba;
 }
 
-/// The recovered texture, or the scene's, of which scene/ has a copy; null for one without texels.
+/// The recovered texture, or the scene's, of which scene/ has a copy; null for one without texels,
+/// or without a copy.
 ScriptJson texture_of(const ScriptMaterial& m, TextureId id, bool color) {
     const Scene& scene = m.loaded.scene;
     const Bitmap* bitmap = bitmap_of(scene[id]);
@@ -216,7 +218,7 @@ ScriptJson texture_of(const ScriptMaterial& m, TextureId id, bool color) {
         if (is_one_value(texels)) return value_json(texels, color);
         return texture_json(*bitmap, texture_file(t, ".exr"), color);
     }
-    for (std::size_t i = 0; i < scene.parameters.size(); ++i)
+    for (std::size_t i = 0; m.has_scene && i < scene.parameters.size(); ++i)
         if (scene.parameters[i].texture == id)
             return texture_json(
                 *bitmap, "scene/" + file_of(m.loaded.source, m.loaded.source.parameters[i]), color);
@@ -326,13 +328,13 @@ void add_inputs(ScriptMaterial& m, const PrincipledThin& b) {
 
 }  // namespace
 
-std::string blender_script(const LoadedScene& loaded, const RunResult& run) {
+std::string blender_script(const LoadedScene& loaded, const RunResult& run, bool has_scene) {
     const Scene& scene = loaded.scene;
     ScriptJson materials = ScriptJson::object();
     for (std::size_t i = 0; i < scene.materials.size(); ++i) {
         const MaterialId id{static_cast<std::int32_t>(i)};
         if (!is_recovered(scene, id, run)) continue;
-        ScriptMaterial m{loaded, run};
+        ScriptMaterial m{loaded, run, has_scene};
         std::visit([&](const auto& bsdf) { add_inputs(m, bsdf); }, scene[scene[id].front]);
         materials[scene[id].id] = m.inputs;
     }

@@ -117,14 +117,14 @@ TextureTable recovered_table(const Scene& scene, const RunResult& run) {
 }
 
 /// Writes a file, or a folder with one, and notes it; where what it is made of cannot be read any
-/// more, leaves nothing of it.
-void write_or_leave_out(const fs::path& folder, const char* name, const std::string& file,
+/// more, leaves nothing of it. Returns whether it was written.
+bool write_or_leave_out(const fs::path& folder, const char* name, const std::string& file,
                         const std::function<void()>& write, RunResult& run) {
     std::string reason;
     try {
         write();
         run.deliverables.emplace_back(name, file);
-        return;
+        return true;
     } catch (const InputError& e) {
         reason = e.what();
     }
@@ -132,6 +132,7 @@ void write_or_leave_out(const fs::path& folder, const char* name, const std::str
     std::error_code ignored;
     fs::remove_all(folder / top, ignored);
     log_warning(fmt::format("{} is left out: {}", top.string(), reason));
+    return false;
 }
 
 /// Of a file in the folder of the scene.
@@ -152,7 +153,7 @@ void write_deliverables(const LoadedScene& loaded, const fs::path& folder, RunRe
     const auto write_text = [&](const char* name, const std::string& text) {
         write_bytes(folder / name, text);
     };
-    write_or_leave_out(
+    const bool has_scene = write_or_leave_out(
         folder, "scene", in_scene(kSceneFile), [&] { write_recovered_scene(loaded, run, folder); },
         run);
     write_or_leave_out(
@@ -161,7 +162,7 @@ void write_deliverables(const LoadedScene& loaded, const fs::path& folder, RunRe
         run);
     write_or_leave_out(
         folder, "blender_script", kScript,
-        [&] { write_text(kScript, blender_script(loaded, run)); }, run);
+        [&] { write_text(kScript, blender_script(loaded, run, has_scene)); }, run);
 }
 
 }  // namespace burnish

@@ -655,6 +655,10 @@ TEST_F(Deliverables, ASceneWhoseFilesHaveGoneIsLeftOutWithAWarning) {
     EXPECT_TRUE(fs::exists(folder / "out/textures"));
     const Json summary = summary_of("out");
     EXPECT_FALSE(summary["deliverables"].contains("scene"));
+    const Json inputs =
+        materials_of(testing::read_text(folder / "out/import_into_blender.py"))["mat-panel"];
+    EXPECT_FALSE(inputs.contains("Base Color")) << inputs;
+    EXPECT_EQ(inputs["Roughness"]["file"], "textures/mat-panel.brdf_0.roughness.data.exr");
 }
 
 }  // namespace
