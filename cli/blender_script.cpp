@@ -164,7 +164,7 @@ constexpr std::array kBlenderInputs{
 /// A bitmap in a file, which is relative to the script.
 ScriptJson texture_json(const Bitmap& bitmap, const std::string& file, bool color) {
     const std::string format = lower_extension(file);
-    const bool linear = bitmap.raw || format == ".exr" || format == ".hdr" || format == ".pfm";
+    const bool linear = bitmap.raw || format == ".exr" || format == ".hdr";
     const char* extension = bitmap.wrap == TextureWrap::kRepeat   ? "REPEAT"
                             : bitmap.wrap == TextureWrap::kMirror ? "MIRROR"
                                                                   : "EXTEND";
@@ -206,7 +206,7 @@ ScriptJson value_json(const Image& texels, bool color) {
 }
 
 /// The recovered texture, or the scene's, of which scene/ has a copy; null for one without texels,
-/// or without a copy.
+/// without a copy, or in PFM, which Blender does not read.
 ScriptJson texture_of(const ScriptMaterial& m, TextureId id, bool color) {
     const Scene& scene = m.loaded.scene;
     const Bitmap* bitmap = bitmap_of(scene[id]);
@@ -218,10 +218,12 @@ ScriptJson texture_of(const ScriptMaterial& m, TextureId id, bool color) {
         if (is_one_value(texels)) return value_json(texels, color);
         return texture_json(*bitmap, texture_file(t, ".exr"), color);
     }
-    for (std::size_t i = 0; m.has_scene && i < scene.parameters.size(); ++i)
-        if (scene.parameters[i].texture == id)
-            return texture_json(
-                *bitmap, "scene/" + file_of(m.loaded.source, m.loaded.source.parameters[i]), color);
+    for (std::size_t i = 0; m.has_scene && i < scene.parameters.size(); ++i) {
+        if (scene.parameters[i].texture != id) continue;
+        const std::string file = file_of(m.loaded.source, m.loaded.source.parameters[i]);
+        if (lower_extension(file) == ".pfm") return {};
+        return texture_json(*bitmap, "scene/" + file, color);
+    }
     return {};
 }
 

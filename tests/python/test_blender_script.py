@@ -118,6 +118,11 @@ def test_a_file_has_an_image_for_each_colour_space(shared_script, monkeypatch):
     assert [i.filepath for i in sys.modules["bpy"].data.images].count(color.filepath) == 2, "a second run finds them"
 
 
+def test_a_pfm_is_left_out(shared_script, monkeypatch):
+    inputs = materials_of(shared_script, monkeypatch)["constant"]
+    assert inputs["Metallic"].link is None and not any(i.filepath.endswith(".pfm") for i in sys.modules["bpy"].data.images)
+
+
 def test_a_tangent_where_there_is_anisotropy(materials):
     tangents = {name: inputs["Tangent"].link for name, inputs in materials.items()}
     assert {name for name, tangent in tangents.items() if tangent} == {"constant", "texture"}
