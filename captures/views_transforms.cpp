@@ -210,7 +210,7 @@ Size size_of(const Frame& frame, const std::string& picture, Size& known) {
         throw InputError(fmt::format("{}: {}: expected both \"w\" and \"h\", or none of them",
                                      frame.frame.file, frame.frame.key));
     if (known.width == 0) {
-        const Image image = read_image_file(picture).image;
+        const Image image = read_image_header(picture).image;
         known = {image.width, image.height, picture};
     }
     return known;

@@ -195,18 +195,24 @@ char* plane_origin(const float* first, std::int64_t offset_bytes) {
                                    static_cast<std::uintptr_t>(offset_bytes));
 }
 
+/// Without values.
+Image shape_of(const std::string& name, const Imf::Header& header, std::size_t channels) {
+    const auto window = header.dataWindow();
+    const long long width = static_cast<long long>(window.max.x) - window.min.x + 1;
+    const long long height = static_cast<long long>(window.max.y) - window.min.y + 1;
+    formats::check_size(name, "EXR", width, height, static_cast<int>(channels));
+    return {static_cast<int>(width), static_cast<int>(height), static_cast<int>(channels), {}};
+}
+
 /// The image that the channels are read into once the file has the buffer; it may be moved.
 Image make_image_of(const std::string& name, const Imf::Header& header,
                     const std::vector<std::string>& channels, Imf::FrameBuffer& buffer) {
     const auto window = header.dataWindow();
-    const long long width = static_cast<long long>(window.max.x) - window.min.x + 1;
-    const long long height = static_cast<long long>(window.max.y) - window.min.y + 1;
-    formats::check_size(name, "EXR", width, height, static_cast<int>(channels.size()));
-    Image image = make_image(static_cast<int>(width), static_cast<int>(height),
-                             static_cast<int>(channels.size()));
+    Image image = shape_of(name, header, channels.size());
+    image.values.resize(image.index(0, image.height));
 
     const std::size_t x_stride = sizeof(float) * channels.size();
-    const std::size_t y_stride = x_stride * static_cast<std::size_t>(width);
+    const std::size_t y_stride = x_stride * static_cast<std::size_t>(image.width);
     const std::int64_t offset = window.min.x * static_cast<std::int64_t>(x_stride) +
                                 window.min.y * static_cast<std::int64_t>(y_stride);
     for (std::size_t c = 0; c < channels.size(); ++c) {
@@ -234,7 +240,7 @@ void limit_sizes() {
 
 }  // namespace
 
-ImageFile formats::read_exr(const std::filesystem::path& file, ExrColors colors) {
+ImageFile formats::read_exr(const std::filesystem::path& file, ExrColors colors, Content content) {
     const std::string name = file.string();
     limit_sizes();
     require_exr_header(file);
@@ -246,6 +252,9 @@ ImageFile formats::read_exr(const std::filesystem::path& file, ExrColors colors)
         require_bytes(name, header);
         const Imf::ChannelList& stored = header.channels();
         const Picture picture = pick_channels(name, stored);
+        if (content == Content::kHeader)
+            return {shape_of(name, header, picture.colors.size() + !picture.alpha.empty()),
+                    PixelEncoding::kFloat, "EXR"};
         const auto matrix = colors == ExrColors::kRec709 ? matrix_of(name, header, picture)
                                                          : std::optional<ColorMatrix>{};
         Imf::FrameBuffer buffer;

@@ -28,8 +28,11 @@ void check_size(const std::string& name, const char* format, long long width, lo
 /// Of an image of two or four channels, the last of which is alpha: takes that one out of it.
 void take_alpha(ImageFile& file);
 
-ImageFile decode_png(const std::string& name, std::string_view bytes);
-ImageFile decode_jpeg(const std::string& name, std::string_view bytes);
+/// What is decoded of a file; see read_image_header.
+enum class Content { kHeader, kAll };
+
+ImageFile decode_png(const std::string& name, std::string_view bytes, Content content);
+ImageFile decode_jpeg(const std::string& name, std::string_view bytes, Content content);
 /// What a JPEG's APP1 segment says.
 struct Exif {
     int orientation = 0;           ///< 1 to 8; 0: nothing
@@ -39,13 +42,13 @@ struct Exif {
 Exif read_exif(std::string_view segment);
 /// The name of an ICC profile in ASCII, as "Display P3"; empty: it has none. Any bytes.
 std::string profile_name(std::string_view icc);
-ImageFile decode_pfm(const std::string& name, std::string_view bytes);
-ImageFile decode_hdr(const std::string& name, std::string_view bytes);
+ImageFile decode_pfm(const std::string& name, std::string_view bytes, Content content);
+ImageFile decode_hdr(const std::string& name, std::string_view bytes, Content content);
 /// A BMP file as stb_image reads it rightly: a header of 40, 108 or 124 bytes, a colour for each
 /// index, black where the file has none, and the pixels at once behind them.
 std::string plain_bmp(const std::string& name, std::string_view bytes);
 /// BMP and TGA.
-ImageFile decode_stb(const std::string& name, std::string_view bytes);
+ImageFile decode_stb(const std::string& name, std::string_view bytes, Content content);
 /// Whether the bytes look like a TGA file, which has no magic number.
 bool looks_like_tga(std::string_view bytes);
 /// What becomes of X, Y, Z and of chromaticities.
@@ -54,7 +57,7 @@ enum class ExrColors { kRec709, kAsStored };
 void require_exr_header(const std::filesystem::path& file);
 /// Scanline or tiled, any compression, first part. Channels R, G, B, or X, Y, Z, or Y, of one
 /// layer, or the only one.
-ImageFile read_exr(const std::filesystem::path& file, ExrColors colors);
+ImageFile read_exr(const std::filesystem::path& file, ExrColors colors, Content content);
 
 /// 32-bit float, ZIP; channels Y or R, G, B, and A of an image of two or four.
 std::string encode_exr(const Image& image);

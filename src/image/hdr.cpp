@@ -105,13 +105,14 @@ void read_row(HdrReader& reader, std::vector<std::uint8_t>& row) {
 
 }  // namespace
 
-ImageFile formats::decode_hdr(const std::string& name, std::string_view bytes) {
+ImageFile formats::decode_hdr(const std::string& name, std::string_view bytes, Content content) {
     HdrReader reader{name, bytes};
     Image image = read_header(reader);
     const auto width = static_cast<std::size_t>(image.width);
     // A run holds at most 127 pixels: what is left must be able to hold the image.
     if ((bytes.size() - reader.offset) < width * static_cast<std::size_t>(image.height) / 127)
         reader.fail_at_end();
+    if (content == Content::kHeader) return {std::move(image), PixelEncoding::kFloat, "HDR", 8};
     image.values.resize(image.index(0, image.height));
     std::vector<std::uint8_t> row(4 * width);
     for (int y = 0; y < image.height; ++y) {

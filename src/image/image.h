@@ -86,6 +86,9 @@ Image oriented(Image image, int orientation);
 /// content. Throws InputError: missing, truncated, damaged, or larger than 32768 pixels a side /
 /// 2^29 values.
 ImageFile read_image_file(const std::filesystem::path& file);
+/// What the header of such a file says: type, encoding, and an image without values, whose channels
+/// count alpha. Throws InputError as far as it looks.
+ImageFile read_image_header(const std::filesystem::path& file);
 
 /// write_image of burnish/image.h, whose PNG codes are linear where `srgb` is false.
 void write_image(const std::filesystem::path& file, const Image& image, bool srgb);

@@ -116,21 +116,22 @@ const char* known_format(std::string_view bytes) {
     return nullptr;
 }
 
-ImageFile read_file(const std::filesystem::path& file, formats::ExrColors colors) {
+ImageFile read_file(const std::filesystem::path& file, formats::ExrColors colors,
+                    formats::Content content) {
     const std::string bytes = read_bytes(file), name = file.string();
     switch (detect(bytes)) {
         case Format::kPng:
-            return formats::decode_png(name, bytes);
+            return formats::decode_png(name, bytes, content);
         case Format::kJpeg:
-            return formats::decode_jpeg(name, bytes);
+            return formats::decode_jpeg(name, bytes, content);
         case Format::kExr:
-            return formats::read_exr(file, colors);
+            return formats::read_exr(file, colors, content);
         case Format::kPfm:
-            return formats::decode_pfm(name, bytes);
+            return formats::decode_pfm(name, bytes, content);
         case Format::kHdr:
-            return formats::decode_hdr(name, bytes);
+            return formats::decode_hdr(name, bytes, content);
         case Format::kStb:
-            return formats::decode_stb(name, bytes);
+            return formats::decode_stb(name, bytes, content);
         case Format::kUnknown:
             break;
     }
@@ -146,11 +147,15 @@ ImageFile read_file(const std::filesystem::path& file, formats::ExrColors colors
 }  // namespace
 
 ImageFile read_image_file(const std::filesystem::path& file) {
-    return read_file(file, formats::ExrColors::kRec709);
+    return read_file(file, formats::ExrColors::kRec709, formats::Content::kAll);
+}
+
+ImageFile read_image_header(const std::filesystem::path& file) {
+    return read_file(file, formats::ExrColors::kRec709, formats::Content::kHeader);
 }
 
 ImageFile read_numbers_file(const std::filesystem::path& file) {
-    return read_file(file, formats::ExrColors::kAsStored);
+    return read_file(file, formats::ExrColors::kAsStored, formats::Content::kAll);
 }
 
 void require_no_overscan(const ImageFile& read, const std::string& file) {

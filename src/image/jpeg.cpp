@@ -152,7 +152,7 @@ bool read_rows(jpeg_decompress_struct& jpeg, JpegErrors& errors, std::uint8_t* d
 
 }  // namespace
 
-ImageFile formats::decode_jpeg(const std::string& name, std::string_view bytes) {
+ImageFile formats::decode_jpeg(const std::string& name, std::string_view bytes, Content content) {
     JpegErrors errors{};
     JpegReader reader;
     reader.jpeg.err = jpeg_std_error(&errors.base);
@@ -167,6 +167,14 @@ ImageFile formats::decode_jpeg(const std::string& name, std::string_view bytes) 
                "found " + std::to_string(channels) + " components, expected 1 (gray) or 3 (RGB)");
     check_size(name, "JPEG", reader.jpeg.image_width, reader.jpeg.image_height, channels);
     require_bytes(name, reader.jpeg, bytes.size());
+    ImageFile file{{static_cast<int>(reader.jpeg.image_width),
+                    static_cast<int>(reader.jpeg.image_height),
+                    channels,
+                    {}},
+                   PixelEncoding::kUnorm8,
+                   "JPEG",
+                   8};
+    if (content == Content::kHeader) return file;
     const std::size_t row_bytes = reader.jpeg.image_width * static_cast<std::size_t>(channels);
     std::vector<std::uint8_t> data(row_bytes * reader.jpeg.image_height);
     const Exif exif = exif_of(reader.jpeg);  // reading rows forgets the markers
@@ -174,12 +182,7 @@ ImageFile formats::decode_jpeg(const std::string& name, std::string_view bytes) 
     if (profile.empty() && exif.is_uncalibrated) profile = kUncalibratedProfile;
     if (!read_rows(reader.jpeg, errors, data.data(), row_bytes)) fail_by(errors, name);
 
-    ImageFile file{
-        {static_cast<int>(reader.jpeg.image_width), static_cast<int>(reader.jpeg.image_height),
-         channels, std::vector<float>(data.size())},
-        PixelEncoding::kUnorm8,
-        "JPEG",
-        8};
+    file.image.values.resize(data.size());
     file.orientation = exif.orientation, file.profile = profile;
     std::transform(data.begin(), data.end(), file.image.values.begin(),
                    [](std::uint8_t v) { return static_cast<float>(v) / 255.0f; });

@@ -47,7 +47,7 @@ float float_at(std::string_view bytes, std::size_t at, std::endian order) {
 
 }  // namespace
 
-ImageFile formats::decode_pfm(const std::string& name, std::string_view bytes) {
+ImageFile formats::decode_pfm(const std::string& name, std::string_view bytes, Content content) {
     std::size_t offset = 0;
     const int channels = next_word(bytes, offset) == "PF" ? 3 : 1;
     const int width = number<int>(name, bytes, offset, "width");
@@ -67,6 +67,8 @@ ImageFile formats::decode_pfm(const std::string& name, std::string_view bytes) {
              "byte offset " + std::to_string(bytes.size()) +
                  ": the file ends too early, expected " + std::to_string(offset + expected) +
                  " bytes");
+    if (content == Content::kHeader)
+        return {Image{width, height, channels}, PixelEncoding::kFloat, "PFM"};
     const std::endian order = scale < 0 ? std::endian::little : std::endian::big;
     ImageFile file{make_image(width, height, channels), PixelEncoding::kFloat, "PFM"};
     for (int y = 0; y < height; ++y)

@@ -155,7 +155,7 @@ void require_bytes(const std::string& name, const PngHeader& header, std::size_t
 
 }  // namespace
 
-ImageFile formats::decode_png(const std::string& name, std::string_view bytes) {
+ImageFile formats::decode_png(const std::string& name, std::string_view bytes, Content content) {
     PngSource source{bytes.data(), bytes.size(), {}};
     PngReader reader;
     reader.png = png_create_read_struct(PNG_LIBPNG_VER_STRING, &source, on_error, on_warning);
@@ -167,15 +167,17 @@ ImageFile formats::decode_png(const std::string& name, std::string_view bytes) {
     if (!read_header(reader, header)) fail(name, "PNG", source.message);
     check_size(name, "PNG", header.width, header.height, header.channels);
     require_bytes(name, header, bytes.size());
+    ImageFile file{
+        {static_cast<int>(header.width), static_cast<int>(header.height), header.channels, {}},
+        header.bits == 8 ? PixelEncoding::kUnorm8 : PixelEncoding::kUnorm16,
+        "PNG",
+        header.stored_bits};
+    if (content == Content::kHeader) return file;
     std::vector<std::uint8_t> data(header.row_bytes * header.height);
     std::vector<png_bytep> rows(header.height);
     for (std::size_t y = 0; y < rows.size(); ++y) rows[y] = data.data() + y * header.row_bytes;
     if (!read_rows(reader, rows.data())) fail(name, "PNG", source.message);
-    ImageFile file{{static_cast<int>(header.width), static_cast<int>(header.height),
-                    header.channels, to_floats(data, header.bits)},
-                   header.bits == 8 ? PixelEncoding::kUnorm8 : PixelEncoding::kUnorm16,
-                   "PNG",
-                   header.stored_bits};
+    file.image.values = to_floats(data, header.bits);
     file.profile = profile_name(profile_of(reader));
     file.says_linear = says_linear(reader);
     // Of one channel they say nothing; the larger error of linear numbers comes first.

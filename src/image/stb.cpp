@@ -90,7 +90,7 @@ bool formats::looks_like_tga(std::string_view bytes) {
            stbi_info_from_callbacks(&kCallbacks, &source, &width, &height, &channels) != 0;
 }
 
-ImageFile formats::decode_stb(const std::string& name, std::string_view bytes) {
+ImageFile formats::decode_stb(const std::string& name, std::string_view bytes, Content content) {
     const bool is_bmp = bytes.substr(0, 2) == "BM";
     const char* format = is_bmp ? "BMP" : "TGA";
     const std::string plain = is_bmp ? plain_bmp(name, bytes) : "";
@@ -115,6 +115,7 @@ ImageFile formats::decode_stb(const std::string& name, std::string_view bytes) {
     if (image.index(0, image.height) / 128 / static_cast<std::size_t>(image.channels) >
         bytes.size())
         fail(name, format, "the file ends too early");
+    if (content == Content::kHeader) return {std::move(image), PixelEncoding::kUnorm8, format, 8};
 
     source = {bytes};
     int width = 0, height = 0;

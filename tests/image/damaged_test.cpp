@@ -59,6 +59,20 @@ TEST_F(DamagedImages, SamplesAreSound) {
     for (const Sample& sample : samples()) EXPECT_EQ(error_of(sample.bytes), "") << sample.name;
 }
 
+TEST_F(DamagedImages, HeadersOfSoundFilesSayWhatIsInThem) {
+    for (const Sample& sample : samples()) {
+        const std::filesystem::path file = write("image", sample.bytes);
+        const ImageFile header = read_image_header(file), whole = read_image_file(file);
+        EXPECT_EQ(header.type, std::string(whole.type)) << sample.name;
+        EXPECT_EQ(header.encoding, whole.encoding) << sample.name;
+        EXPECT_TRUE(header.image.values.empty()) << sample.name;
+        EXPECT_EQ(header.image.width, whole.image.width) << sample.name;
+        EXPECT_EQ(header.image.height, whole.image.height) << sample.name;
+        const int alpha = whole.alpha.width > 0;
+        EXPECT_EQ(header.image.channels, whole.image.channels + alpha) << sample.name;
+    }
+}
+
 TEST_F(DamagedImages, CutOffFilesThrow) {
     for (const Sample& sample : samples()) {
         const std::size_t step = std::max<std::size_t>(1, sample.bytes.size() / 97);
