@@ -39,8 +39,13 @@ std::vector<Span> make_spans(int size, int scaled, double step) {
     return spans;
 }
 
-/// Means of an image over areas.
-Image average(const Image& image, const ScaledSize& size) {
+/// The weight of a value of a picture [height, width, 3]; 1 without a mask.
+float weight_at(const Image& mask, std::size_t i) {
+    return mask.width == 0 ? 1 : mask.values[mask.channels == 3 ? i : i / 3];
+}
+
+/// Means over areas of an image, times a mask of a picture.
+Image average(const Image& image, const ScaledSize& size, const Image& mask = {}) {
     const std::vector<Span> columns = make_spans(image.width, size.width, size.step);
     const std::vector<Span> rows = make_spans(image.height, size.height, size.step);
     Image result = make_image(size.width, size.height, image.channels);
@@ -50,7 +55,8 @@ Image average(const Image& image, const ScaledSize& size) {
         for (std::size_t k = 0; k < rows[y].weights.size(); ++k) {
             const std::size_t from = image.index(0, rows[y].first + static_cast<int>(k));
             for (std::size_t i = 0; i < row_values; ++i)
-                line[i] += rows[y].weights[k] * double{image.values[from + i]};
+                line[i] +=
+                    rows[y].weights[k] * double{image.values[from + i] * weight_at(mask, from + i)};
         }
         for (int x = 0; x < size.width; ++x) {
             const Span& span = columns[static_cast<std::size_t>(x)];
@@ -68,17 +74,10 @@ Image average(const Image& image, const ScaledSize& size) {
 }
 
 /// Of a picture whose pixels have weights: pixels without any do not count where others do.
-Image average(const Image& image, const Image& mask, const ScaledSize& size) {
+Image weighted_average(const Image& image, const Image& mask, const ScaledSize& size) {
     const Image plain = average(image, size);
     if (mask.width == 0) return plain;
-    const auto channels = static_cast<std::size_t>(mask.channels);
-    const auto weight_at = [&](const Image& of, std::size_t i) {
-        return of.values[channels == 3 ? i : i / 3];
-    };
-    Image weighted = image;
-    for (std::size_t i = 0; i < weighted.values.size(); ++i)
-        weighted.values[i] *= weight_at(mask, i);
-    weighted = average(weighted, size);
+    Image weighted = average(image, size, mask);
     const Image weights = average(mask, size);
     for (std::size_t i = 0; i < weighted.values.size(); ++i) {
         const float w = weight_at(weights, i);
@@ -129,7 +128,7 @@ Photograph scaled(Photograph p, double factor) {
     if (p.image.values.empty()) return p;
     const ScaledSize size = scaled_size(p.image.width, p.image.height, factor);
     if (size.step == 1) return p;
-    p.image = average(p.image, p.mask, size);
+    p.image = weighted_average(p.image, p.mask, size);
     if (p.clipped.width > 0)
         p.clipped = average(clipped_within(p.mask, std::move(p.clipped)), size);
     if (p.mask.width > 0) p.mask = average(p.mask, size);
