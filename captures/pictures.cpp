@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <system_error>
 #include <variant>
 
 #include "burnish/error.h"
@@ -120,6 +121,43 @@ Photograph read_picture(const CapturedView& view, const Image& mask, double scal
             fmt::format("{} ({}): no pixel counts: each has a mask or an alpha of 0, or is clipped",
                         what, view.image));
     return p;
+}
+
+namespace {
+
+double pixels_of(const Image& image) { return double{1} * image.width * image.height; }
+
+/// While a file becomes an image: its bytes, and of each pixel the codes, and the numbers of the
+/// picture twice, while alpha is taken out of them or they are turned, with planes beside them.
+double decoding_bytes(const std::string& file, const Image& header) {
+    const double of_pixel = header.channels % 2 == 0 ? 44 : 32;
+    std::error_code gone;
+    const auto size = std::filesystem::file_size(file, gone);
+    return (gone ? 0 : static_cast<double>(size)) + of_pixel * pixels_of(header);
+}
+
+}  // namespace
+
+PictureBytes picture_bytes(const CapturedView& view, double scale) {
+    constexpr double kScaling = 36;  // means of the picture, with and without weights, and of these
+    constexpr double kKept = 28;     // the picture, its mask, what is clipped
+    double reading = 0, weights = 0;
+    Image header;
+    try {
+        if (!view.mask.empty()) {
+            header = read_image_header(view.mask).image;
+            reading = decoding_bytes(view.mask, header);
+            weights = (header.channels < 3 ? 4 : 12) * pixels_of(header);
+        }
+        if (!view.image.empty()) {
+            header = read_image_header(view.image).image;
+            reading = std::max(reading, weights + decoding_bytes(view.image, header));
+        }
+    } catch (const InputError&) {
+        return {};
+    }
+    const double scaled = scale * scale * pixels_of(header);
+    return {reading + kScaling * scaled, kKept * scaled};
 }
 
 }  // namespace burnish

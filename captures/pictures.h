@@ -41,4 +41,13 @@ MaskFile read_mask(const CapturedView& view);
 Photograph read_picture(const CapturedView& view, const Image& mask, double scale,
                         const std::string& what);
 
+/// Bytes of memory that the picture and the mask of a view take at most.
+struct PictureBytes {
+    double reading = 0;  ///< while they are read
+    double kept = 0;     ///< of what is read, at the scale
+};
+/// By the headers of their files. None where one cannot be read: read_mask or read_picture says
+/// why.
+PictureBytes picture_bytes(const CapturedView& view, double scale);
+
 }  // namespace burnish

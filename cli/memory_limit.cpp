@@ -4,12 +4,15 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 
 #include "burnish/error.h"
+#include "captures/pictures.h"
 #include "cli/console.h"
 #include "cli/process_memory.h"
 #include "cli/progress.h"
 #include "cli/unseeing_views.h"
+#include "core/parallel.h"
 #include "gradient/binding.h"
 #include "gradient/path_cache/path_cache.h"
 #include "optimize/ranks.h"
@@ -114,7 +117,47 @@ MemoryEstimate plan_run(const RunViews& views, const Theta& theta, double limit,
     return memory;
 }
 
+/// Pictures that are read at once, and their bytes.
+struct AtOnce {
+    std::size_t count = 0;
+    double bytes = 0;
+};
+
+/// As many as fit whichever they are, but one at least. each: bytes of each.
+AtOnce fitting(std::vector<double> each, double room, std::size_t threads) {
+    std::ranges::sort(each, std::greater<>());
+    AtOnce fit;
+    for (const double bytes : each) {
+        if (fit.count == threads || (fit.count > 0 && fit.bytes + bytes > room)) break;
+        ++fit.count, fit.bytes += bytes;
+    }
+    return fit;
+}
+
 }  // namespace
+
+std::size_t plan_pictures(const Scene& scene, RunResult& run) {
+    const TickingLine line("measuring the pictures");
+    const RunSettings& settings = run.settings.run;
+    std::vector<double> reading;
+    double kept = 0;
+    for (const CapturedView& view : run.sources) {
+        const PictureBytes bytes = picture_bytes(view, settings.scale);
+        reading.push_back(bytes.reading), kept += bytes.kept;
+    }
+    const double limit = memory_limit(run), others = scene_memory(scene) + kept;
+    const auto largest = std::ranges::max_element(reading);
+    const CapturedView& view = run.sources[static_cast<std::size_t>(largest - reading.begin())];
+    if (settings.max_memory && *largest > 0 && others + *largest > limit)
+        throw ResourceError(
+            fmt::format("{}: reading it takes up to {}, the scene and what is kept of all pictures "
+                        "{}: expected {} or more, a lower --scale or smaller pictures, found {}",
+                        view.image.empty() ? view.mask : view.image, bytes_text(*largest),
+                        bytes_text(others), limit_text(others + *largest), bytes_text(limit)));
+    const AtOnce fit = fitting(reading, limit - others, threads_of(settings.threads));
+    run.memory.pictures = kept + fit.bytes;
+    return fit.count;
+}
 
 void plan_memory(RunViews views, RunResult& run) {
     const TickingLine line("estimating the memory");
@@ -123,9 +166,14 @@ void plan_memory(RunViews views, RunResult& run) {
     find_unseeing_views(theta, reaching, run);
     views.reaching = reaching;
     const double limit = memory_limit(run);
-    run.memory = plan_run(views, theta, limit, run.settings.options, run);
+    const auto plan = [&](Options& options) {
+        MemoryEstimate memory = plan_run(views, theta, limit, options, run);
+        memory.pictures = run.memory.pictures;
+        return memory;
+    };
+    run.memory = plan(run.settings.options);
     if (!run.settings.compared) return;
-    const MemoryEstimate other = plan_run(views, theta, limit, *run.settings.compared, run);
+    const MemoryEstimate other = plan(*run.settings.compared);
     const double most = std::max(maximum(run.memory), maximum(other));
     if (expected(other) > expected(run.memory)) run.memory = other;
     if (most > maximum(run.memory)) run.memory.max_records = most - without_records(run.memory);

@@ -6,9 +6,14 @@
 
 namespace burnish {
 
+/// How many pictures of the run's views may be read at once beside the scene; what they take, those
+/// that were read before included, goes into run.memory. Throws ResourceError where --max-memory is
+/// too low for one of them.
+std::size_t plan_pictures(const Scene& scene, RunResult& run);
+
 /// Estimates the memory of the runs on these views, whose `reaching` is found here, into
 /// run.memory, shortens the windows of path caches to the limit, and describes them in
-/// run.kept_text. Throws ResourceError where the limit is too low.
+/// run.kept_text; what plan_pictures found stays. Throws ResourceError where the limit is too low.
 void plan_memory(RunViews views, RunResult& run);
 
 }  // namespace burnish

@@ -214,7 +214,8 @@ Renderer read_run(OutputFolder& output, Phases& phases, RunResult& run) {
     Renderer renderer =
         make_renderer_with_progress(std::move(loaded), settings.run.light_selection);
     phases.end("scene");
-    run.pictures = read_pictures(settings.run, run.sources);
+    const std::size_t at_once = plan_pictures(renderer.data().scene(), run);
+    run.pictures = read_pictures(settings.run, run.sources, at_once);
     size_cameras(settings.run, renderer, run.pictures.photographs, run.sources);
     make_view_renderers(renderer, run);
     phases.end("pictures");

@@ -32,13 +32,13 @@ std::string name_and_file(const CapturedView& view, std::size_t i) {
     return fmt::format("{} ({})", name_of(view.view, i), view.image);
 }
 
-/// Calls body(i) for each of the pictures, several at a time, with progress.
+/// Calls body(i) for each of the pictures, `at_once` at a time at most, with progress.
 template <class Body>
-void for_pictures(std::size_t count, const Body& body) {
+void for_pictures(std::size_t count, std::size_t at_once, const Body& body) {
     ProgressLine line("reading the pictures");
     std::mutex mutex;
     std::size_t done = 0;
-    parallel_tasks(count, [&](std::size_t i) {
+    parallel_tasks(count, at_once, [&](std::size_t i) {
         body(i);
         const std::lock_guard lock(mutex);
         line.show_share(static_cast<double>(++done) / static_cast<double>(count));
@@ -58,9 +58,10 @@ Photograph picture_of(const CapturedView& view, const Image& mask, double scale,
 
 }  // namespace
 
-Pictures read_pictures(const RunSettings& run, const std::vector<CapturedView>& views) {
+Pictures read_pictures(const RunSettings& run, const std::vector<CapturedView>& views,
+                       std::size_t at_once) {
     Pictures pictures{std::vector<Photograph>(views.size()), std::vector<MaskFile>(views.size())};
-    for_pictures(views.size(), [&](std::size_t i) {
+    for_pictures(views.size(), at_once, [&](std::size_t i) {
         const std::string what =
             "the target" + (views.size() == 1 ? "" : " of " + name_of(views[i].view, i));
         MaskFile& mask = pictures.masks[i];
@@ -152,7 +153,8 @@ CheckedView check_view(const Renderer& renderer, const CapturedView& view) {
 
 CheckedViews check_views(const Renderer& renderer, const std::vector<CapturedView>& views) {
     std::vector<CheckedView> each(views.size());
-    for_pictures(views.size(), [&](std::size_t i) { each[i] = check_view(renderer, views[i]); });
+    for_pictures(views.size(), views.size(),
+                 [&](std::size_t i) { each[i] = check_view(renderer, views[i]); });
     CheckedViews checked;
     Pictures pictures;
     for (std::size_t i = 0; i < views.size(); ++i) {

@@ -18,8 +18,9 @@ struct Pictures {
 };
 
 /// The pictures with the masks of their files, at the run's scale; of those that are rendered the
-/// mask and its file's size alone. Throws InputError.
-Pictures read_pictures(const RunSettings& run, const std::vector<CapturedView>& views);
+/// mask and its file's size alone. at_once: as many at a time at most. Throws InputError.
+Pictures read_pictures(const RunSettings& run, const std::vector<CapturedView>& views,
+                       std::size_t at_once);
 
 /// The camera of a view for what read_pictures has read, at the run's scale. Throws InputError
 /// where the file of a picture does not fit the film of a sensor, or that of a mask a rendered

@@ -1,6 +1,7 @@
 #include "core/parallel.h"
 
 #include <algorithm>
+#include <atomic>
 #include <exception>
 #include <thread>
 #include <vector>
@@ -36,17 +37,42 @@ void parallel_for(std::size_t count, const std::function<void(std::size_t)>& bod
     });
 }
 
-void parallel_tasks(std::size_t count, const std::function<void(std::size_t)>& body) {
-    std::vector<std::exception_ptr> thrown(count);
-    parallel_for(count, [&](std::size_t i) {
+namespace {
+
+/// What tasks have thrown, by their number.
+struct Thrown {
+    std::vector<std::exception_ptr> errors;
+
+    void call(const std::function<void(std::size_t)>& body, std::size_t i) {
         try {
             body(i);
         } catch (...) {
-            thrown[i] = std::current_exception();
+            errors[i] = std::current_exception();
         }
+    }
+    void rethrow_first() const {
+        for (const std::exception_ptr& error : errors)
+            if (error) std::rethrow_exception(error);
+    }
+};
+
+}  // namespace
+
+void parallel_tasks(std::size_t count, const std::function<void(std::size_t)>& body) {
+    Thrown thrown{std::vector<std::exception_ptr>(count)};
+    parallel_for(count, [&](std::size_t i) { thrown.call(body, i); });
+    thrown.rethrow_first();
+}
+
+void parallel_tasks(std::size_t count, std::size_t at_once,
+                    const std::function<void(std::size_t)>& body) {
+    Thrown thrown{std::vector<std::exception_ptr>(count)};
+    std::atomic<std::size_t> next{0};
+    // Not a task each: a thread that waits in a loop within a task may begin another of these.
+    parallel_for(std::min(at_once, count), [&](std::size_t) {
+        for (std::size_t i; (i = next++) < count;) thrown.call(body, i);
     });
-    for (const std::exception_ptr& error : thrown)
-        if (error) std::rethrow_exception(error);
+    thrown.rethrow_first();
 }
 
 std::size_t threads_of(int setting) {

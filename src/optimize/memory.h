@@ -3,6 +3,7 @@
 // same window for the same options, and the same bytes for any number of threads.
 #pragma once
 
+#include <algorithm>
 #include <span>
 #include <vector>
 
@@ -23,15 +24,20 @@ struct MemoryEstimate {
     double records = 0;      ///< of kept path caches, as many as a trial of their pixels promises
     double max_records = 0;  ///< of a path cache, if both samples of every camera sample carried
                              ///< light
+    double pictures = 0;  ///< beside the scene, before all else: while files of pictures are read
 };
 
 /// All but the records.
 inline double without_records(const MemoryEstimate& m) {
     return m.scene + m.textures + m.images + m.samples;
 }
-inline double expected(const MemoryEstimate& m) { return without_records(m) + m.records; }
+inline double expected(const MemoryEstimate& m) {
+    return std::max(without_records(m) + m.records, m.scene + m.pictures);
+}
 /// Nothing that samples decide is left open; the other parts are estimates.
-inline double maximum(const MemoryEstimate& m) { return without_records(m) + m.max_records; }
+inline double maximum(const MemoryEstimate& m) {
+    return std::max(without_records(m) + m.max_records, m.scene + m.pictures);
+}
 
 /// The pixels of each view that light from an unknown can reach.
 std::vector<std::vector<char>> reaching_pixels(std::span<const TracedScene> views,

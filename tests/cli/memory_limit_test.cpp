@@ -73,6 +73,33 @@ TEST_F(MemoryLimit, TheEstimateCountsWhatViewsHaveOfTheirOwn) {
     }
 }
 
+/// They are made smaller once they are read.
+TEST_F(MemoryLimit, PicturesThatAreReadAtOnceFitTheLimitAtTheirFullSize) {
+    write_scene();
+    for (const char* name : {"a.png", "b.png"})
+        write_image(folder / name, make_image(2400, 2400, 4, 0.5f));
+    write_text(folder / "capture.json", R"({"version": 1, "scene": "scene.xml", "views": [
+        {"name": "a", "image": "a.png", "camera": {"sensor": 0}},
+        {"name": "b", "image": "b.png", "camera": {"sensor": 0}}]})");
+    const std::string command =
+        "optimize capture.json --scale 0.01 --parameter base_color --init 0.5 --iterations 1 "
+        "--evaluation-spp 2 --threads 2 -o out ";
+    const Outcome refused = run(command + "--max-memory 0.2");
+    EXPECT_EQ(refused.code, 77);
+    EXPECT_TRUE(contains(refused.err, "a.png: reading it takes up to 2")) << refused.err;
+    const Outcome enough = run(command + named_limit(refused.err));
+    EXPECT_EQ(enough.code, 0) << enough.err;
+
+    for (const double limit : {0.32, 1.0}) {
+        const Outcome outcome = run(fmt::format("{} --force --max-memory {}", command, limit));
+        ASSERT_EQ(outcome.code, 0) << outcome.err;
+        const auto summary = summary_of("out");
+        EXPECT_LT(summary["peak_memory_bytes"].get<double>(), limit * 0x1p30);
+        EXPECT_LE(summary["peak_memory_bytes"], summary["memory_estimate_bytes"]["maximum"]);
+        EXPECT_LE(summary["memory_estimate_bytes"]["maximum"].get<double>(), limit * 0x1p30);
+    }
+}
+
 /// A summary names the bytes of the records that its run could have.
 TEST_F(MemoryLimit, ARunThatIsRepeatedWithFewerRecordsIsWarnedOf) {
     write_scene();

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <mutex>
 #include <stdexcept>
 #include <string>
 #include <thread>
@@ -53,6 +54,32 @@ TEST(Parallel, TasksThrowWhatTheFirstOfThemThrew) {
         };
         EXPECT_EQ(test::error_of<std::runtime_error>(run), "7");
         EXPECT_EQ(std::count(done.begin(), done.end(), 1), 61);
+    }
+}
+
+/// Also where a task has a loop in it, in which a thread may begin another task while it waits.
+TEST(Parallel, TasksAreAtMostSoManyAtATime) {
+    for (const std::size_t at_once : {1u, 2u, 100u}) {
+        std::vector<int> done(40, 0);
+        std::mutex mutex;
+        std::size_t begun = 0, most = 0;
+        const auto count = [&](int change) {
+            const std::lock_guard lock(mutex);
+            begun += static_cast<std::size_t>(change);
+            most = std::max(most, begun);
+        };
+        const auto run = [&] {
+            parallel_tasks(done.size(), at_once, [&](std::size_t i) {
+                count(1);
+                tiny_in_a_loop();
+                done[i] = 1;
+                count(-1);
+                if (i % 20 == 7) throw std::runtime_error(std::to_string(i));
+            });
+        };
+        EXPECT_EQ(test::error_of<std::runtime_error>(run), "7");
+        EXPECT_EQ(std::count(done.begin(), done.end(), 1), 40);
+        EXPECT_LE(most, at_once);
     }
 }
 
