@@ -11,18 +11,16 @@ namespace burnish {
 
 namespace {
 
-constexpr std::size_t kTexels = std::size_t{kTexelBlock} * kTexelBlock;
-
 /// A block of three channels.
-using BlockSum = std::array<float, 3 * kTexels>;
+using BlockSum = std::array<float, 3 * kBlockTexels>;
 
 /// A block's floats in a band, in the channels of the image.
 void copy_block(const TexelSums& sums, const float* from, BlockSum& to) {
     if (!sums.of_luminance) {
-        std::copy_n(from, kTexels * sums.channels, to.data());
+        std::copy_n(from, kBlockTexels * sums.channels, to.data());
         return;
     }
-    for (std::size_t i = 0; i < kTexels; ++i)
+    for (std::size_t i = 0; i < kBlockTexels; ++i)
         for (std::size_t c = 0; c < 3; ++c) to[3 * i + c] = kLuminanceWeights[c] * from[i];
 }
 
@@ -32,7 +30,7 @@ bool sum_block(const TexelSums& sums, std::size_t block, std::size_t begin, std:
     if (size == 1) {
         const TexelBand& band = sums.bands[begin];
         if (!band.dirty[block]) return false;
-        copy_block(sums, band.values.get() + block * kTexels * sums.channels, sum);
+        copy_block(sums, band.values.get() + block * kBlockTexels * sums.channels, sum);
         return true;
     }
     const std::size_t half = std::bit_ceil(size) / 2;
@@ -40,7 +38,8 @@ bool sum_block(const TexelSums& sums, std::size_t block, std::size_t begin, std:
         return sum_block(sums, block, begin + half, size - half, sum);
     BlockSum second;
     if (sum_block(sums, block, begin + half, size - half, second))
-        for (std::size_t i = 0; i < kTexels * static_cast<std::size_t>(out_channels(sums)); ++i)
+        for (std::size_t i = 0; i < kBlockTexels * static_cast<std::size_t>(out_channels(sums));
+             ++i)
             sum[i] += second[i];
     return true;
 }
@@ -58,12 +57,11 @@ TexelSums make_texel_sums(int width, int height, int channels, std::size_t bands
 }
 
 void reserve_bands(std::size_t bands, TexelSums& sums) {
-    const std::size_t blocks =
-        std::size_t{sums.blocks_x} * ((sums.height + kTexelBlock - 1) / kTexelBlock);
+    const std::size_t blocks = block_count(sums);
     while (sums.bands.size() < bands) {
         TexelBand band;
         band.values.reset(static_cast<float*>(
-            std::calloc(blocks * kTexels, sizeof(float) * std::size_t{sums.channels})));
+            std::calloc(blocks * kBlockTexels, sizeof(float) * std::size_t{sums.channels})));
         if (!band.values) throw std::bad_alloc();
         band.dirty.assign(blocks, 0);
         sums.bands.push_back(std::move(band));
@@ -71,7 +69,7 @@ void reserve_bands(std::size_t bands, TexelSums& sums) {
 }
 
 void fold(TexelSums& sums, const IndexRange& bands, Image& image, DirtyBlocks& dirty) {
-    const std::size_t block_floats = kTexels * sums.channels;
+    const std::size_t block_floats = kBlockTexels * sums.channels;
     const auto channels = static_cast<std::size_t>(image.channels);
     parallel_for(sums.bands.front().dirty.size(), [&](std::size_t block) {
         BlockSum sum;

@@ -18,6 +18,7 @@
 namespace burnish {
 
 inline constexpr std::uint32_t kTexelBlock = 32;
+inline constexpr std::size_t kBlockTexels = std::size_t{kTexelBlock} * kTexelBlock;
 
 /// The sums of one band, for one texture.
 struct TexelBand {
@@ -36,6 +37,16 @@ struct TexelSums {
     std::vector<TexelBand> bands;
 };
 
+/// Of a band.
+inline std::size_t block_count(const TexelSums& sums) {
+    return std::size_t{sums.blocks_x} * ((sums.height + kTexelBlock - 1) / kTexelBlock);
+}
+/// The block of texel (x, y). T: std::uint32_t or LaneIntegers.
+template <class T>
+T block_of(const TexelSums& sums, const T& x, const T& y) {
+    return y / kTexelBlock * sums.blocks_x + x / kTexelBlock;
+}
+
 TexelSums make_texel_sums(int width, int height, int channels, std::size_t bands);
 
 /// Makes sums for so many bands, where there are fewer.
@@ -45,7 +56,7 @@ void reserve_bands(std::size_t bands, TexelSums& sums);
 inline void add(const TexelSums& sums, TexelBand& band, const LaneIntegers& x,
                 const LaneIntegers& y, const Rgb<Packet>& value) {
     constexpr std::uint32_t kSide = kTexelBlock;
-    const LaneIntegers block = y / kSide * sums.blocks_x + x / kSide;
+    const LaneIntegers block = block_of(sums, x, y);
     const LaneIntegers texel = block * (kSide * kSide) + y % kSide * kSide + x % kSide;
     float* values = band.values.get();
     char* dirty = band.dirty.data();

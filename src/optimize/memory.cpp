@@ -2,10 +2,12 @@
 
 #include <algorithm>
 #include <bit>
+#include <optional>
 #include <set>
 
 #include "core/parallel.h"
 #include "gradient/estimator.h"
+#include "optimize/band_memory.h"
 #include "optimize/views.h"
 
 namespace burnish {
@@ -25,9 +27,9 @@ constexpr double kFilmsOfView = 6, kFilmsOfVisit = 8;
 /// Arrays of a texture's size: start, truth and present; four for each level of a pyramid (a third
 /// more in all), which are the parameters and three moments; where a texture starts that is not the
 /// same everywhere, once more; the halves of the gradient, those of
-/// the coarser levels and the sum of these; what bands of tiles add up, which overlap; coverage;
-/// charts with their borders.
-constexpr double kTextureArrays = 3 + 4 * 4.0 / 3 + 1 + 2 + 1 + 2 + 1 + 1;
+/// the coarser levels and the sum of these; coverage; charts with their borders. Not what bands of
+/// tiles add up.
+constexpr double kTextureArrays = 3 + 4 * 4.0 / 3 + 1 + 2 + 1 + 1 + 1;
 
 double bytes_of(const Mesh& mesh, bool emits) {
     const auto triangles = static_cast<double>(mesh.triangles.size());
@@ -272,6 +274,9 @@ MemoryEstimate estimate_memory(const Estimator& estimator, const RunViews& views
     MemoryEstimate estimate;
     estimate.scene = scene_memory(*views.fitted.front().scene) + own_sky_bytes(views);
     estimate.textures = texture_bytes(theta, std::min(batch, views.fitted.size()));
+    const std::optional<KeptCache> kept = kept_cache(estimator);
+    if (kept && kept->use == CacheUse::kImageAndGradient)
+        estimate.textures += band_bytes(views.fitted, views.reaching, theta, seed);
     double visit_images = 0, visit_samples = 0;
     const auto add_view = [&](const TracedScene& view) {
         const double film = pixels_of(view.film) * sizeof(Rgbf);

@@ -100,6 +100,31 @@ TEST_F(MemoryLimit, PicturesThatAreReadAtOnceFitTheLimitAtTheirFullSize) {
     }
 }
 
+/// Where a texture repeats, each band of the film adds up all of its texels.
+TEST_F(MemoryLimit, TheEstimateCountsWhatBandsAddUpOfATextureThatRepeats) {
+    write_image(folder / "rough.exr", make_image(2048, 2048, 1, 0.5f));
+    write_text(folder / "scene.xml", R"(<scene version="3.0.0">
+<integrator type="direct"/>
+<sensor type="perspective"><transform name="to_world">
+    <lookat origin="0,0,3" target="0,0,0" up="0,1,0"/></transform>
+    <film type="hdrfilm"><integer name="width" value="192"/><integer name="height" value="192"/>
+    </film></sensor>
+<shape type="rectangle"><transform name="to_world"><scale value="2"/></transform>
+    <bsdf type="principled" id="floor"><texture type="bitmap" name="roughness">
+        <string name="filename" value="rough.exr"/><boolean name="raw" value="true"/>
+        <transform name="to_uv"><scale x="32" y="32"/></transform></texture></bsdf></shape>
+<emitter type="point"><point name="position" x="0.5" y="0.3" z="1.5"/></emitter>
+</scene>)");
+    const Outcome outcome =
+        run("optimize scene.xml --parameter floor.roughness --init 0.4 --iterations 2 "
+            "--target-spp 1 --evaluation-spp 2 --set pyramid.levels=1 --threads 2 -o out");
+    ASSERT_EQ(outcome.code, 0) << outcome.err;
+    const auto summary = summary_of("out");
+    EXPECT_LE(summary["peak_memory_bytes"], summary["memory_estimate_bytes"]["maximum"]);
+    EXPECT_LE(summary["memory_estimate_bytes"]["expected"].get<double>(),
+              1.6 * summary["peak_memory_bytes"].get<double>());
+}
+
 /// A summary names the bytes of the records that its run could have.
 TEST_F(MemoryLimit, ARunThatIsRepeatedWithFewerRecordsIsWarnedOf) {
     write_scene();

@@ -4,7 +4,11 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <array>
+
 #include "gradient/estimator.h"
+#include "optimize/band_memory.h"
 #include "optimize/small_problem.h"
 #include "optimize/state.h"
 
@@ -96,6 +100,60 @@ TEST(Memory, GrowsWithWhatItIsOf) {
     const MemoryEstimate three = memory_of(MonteCarlo{.samples = 3}, small, theta);
     EXPECT_DOUBLE_EQ(three.samples, 3 * mc.samples);
     EXPECT_GT(memory_of(Reservoirs{.samples = 3}, small, theta).samples, 3 * mc.samples);
+}
+
+/// The small scene whose roughness has so many texels, and comes so often along each side.
+Scene scene_with_roughness(int side, int texels, float repeats) {
+    Scene scene = test::small_scene_of(side);
+    Bitmap roughness = test::make_bitmap(texels, 1, TextureFilter::kNearest, 0.35f, 0.7f, 62);
+    roughness.to_uv = {{repeats, 0, 0, 0, repeats, 0}};
+    scene.textures[1] = roughness;
+    return scene;
+}
+
+/// Each band adds up in memory of its own: where a texture repeats, that of all of its texels.
+TEST(Memory, OfBandsCountsTheTexelsThatEachComesTo) {
+    constexpr int kTexels = 512;
+    const double array = kTexels * kTexels * sizeof(float);
+    const auto arrays = [&](const Scene& scene) {
+        const Theta theta = test::theta_of(scene);
+        const TracedScene traced = prepare(scene);
+        const std::vector<std::vector<char>> reaching = reaching_pixels({&traced, 1}, theta);
+        return band_bytes({&traced, 1}, reaching, theta, kSeed) / array;
+    };
+    const Scene once = scene_with_roughness(256, kTexels, 1),
+                often = scene_with_roughness(256, kTexels, 40);
+    const TracedScene traced = prepare(often);
+    const Theta theta = test::theta_of(often);
+    const auto tiles = make_cache_tiles(traced.film, reaching_pixels(Binding(traced, theta)));
+    int bands = 0;
+    for (std::size_t b = 0; b < kViewBands; ++b)
+        bands += !tiles_of({b, b + 1}, tiles.size()).empty();
+    ASSERT_GT(bands, 16);
+    EXPECT_GT(arrays(often), bands);
+    EXPECT_LT(arrays(often), 1.3 * bands);
+    EXPECT_GT(arrays(once), 1);
+    EXPECT_LT(arrays(once), 4) << "neighbouring tiles overlap little";
+
+    EXPECT_GT(memory_of(small_cache(), often, theta).textures,
+              memory_of(small_cache(), once, theta).textures + (bands - 4) * array);
+    EXPECT_EQ(memory_of(MonteCarlo{}, often, theta).textures,
+              memory_of(MonteCarlo{}, once, theta).textures);
+}
+
+/// And of two views that see other texels in the same bands both.
+TEST(Memory, OfBandsStaysFromViewToView) {
+    const Scene here = scene_with_roughness(128, 512, 1);
+    Scene there = here;
+    there.camera.to_world = look_at({0.3, 2.6, 1.8}, {0, 0.1, 0}, {0, 0, 1});
+    const Theta theta = test::theta_of(here);
+    const auto bytes = [&](const std::vector<TracedScene>& views) {
+        return band_bytes(views, reaching_pixels(views, theta), theta, kSeed);
+    };
+    const TracedScene front = prepare(here), back = prepare(there);
+    const double one = bytes({front});
+    EXPECT_NEAR(bytes({front, front}), one, 0.2 * one);
+    EXPECT_GT(bytes({front, back}), 1.5 * one);
 }
 
 TEST(Memory, OfASkyCountsOnceHoweverItIsTurned) {

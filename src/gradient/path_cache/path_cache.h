@@ -63,6 +63,10 @@ struct CacheTile {
 /// Those of a film that are not empty. reaching: reaching_pixels.
 std::vector<CacheTile> make_cache_tiles(const Film& film, const std::vector<char>& reaching);
 
+/// Where the derivatives are summed, without memory for a band yet. Of a coloured texture that is
+/// read as scalars alone, only the luminance counts: one channel instead of three.
+std::vector<TexelSums> make_texel_sums(const Binding& binding);
+
 /// What lies beside a pass.
 struct PassMemory {
     std::uint32_t film_pass = 0;

@@ -24,21 +24,6 @@ Tile bounding_box(std::span<const std::uint32_t> pixels, int width) {
     return {x0, y0, x1 - x0, y1 - y0};
 }
 
-/// Where the derivatives are summed, without memory for a band yet. Of a coloured texture that is
-/// read as scalars alone, only the luminance counts: one channel instead of three.
-std::vector<TexelSums> make_sums(const Binding& binding) {
-    std::vector<TexelSums> sums;
-    for (const ThetaTexture& t : binding.theta.textures) {
-        const Image& texels = t.values;
-        const bool of_luminance =
-            texels.channels == 3 && !read_as_color(binding.scene(), t.texture);
-        sums.push_back(
-            make_texel_sums(texels.width, texels.height, of_luminance ? 1 : texels.channels, 0));
-        sums.back().of_luminance = of_luminance;
-    }
-    return sums;
-}
-
 /// Vertices with unknowns that a camera sample is expected to have, with room to spare, where light
 /// bounces. Found with the scene's own textures, so that it does not change in a run.
 double expected_vertices(const Binding& binding, const std::vector<char>& seen) {
@@ -86,6 +71,19 @@ std::size_t bytes_per_pass(const Binding& binding, CacheUse use, const std::vect
 
 }  // namespace
 
+std::vector<TexelSums> make_texel_sums(const Binding& binding) {
+    std::vector<TexelSums> sums;
+    for (const ThetaTexture& t : binding.theta.textures) {
+        const Image& texels = t.values;
+        const bool of_luminance =
+            texels.channels == 3 && !read_as_color(binding.scene(), t.texture);
+        sums.push_back(
+            make_texel_sums(texels.width, texels.height, of_luminance ? 1 : texels.channels, 0));
+        sums.back().of_luminance = of_luminance;
+    }
+    return sums;
+}
+
 std::vector<CacheTile> make_cache_tiles(const Film& film, const std::vector<char>& reaching) {
     std::vector<CacheTile> tiles;
     for (const Tile& tile : make_tiles(film, kRecordTile)) {
@@ -128,7 +126,7 @@ PathCacheWorkspace make_workspace(const PathCache& options, const Binding& bindi
     workspace.use = use, workspace.bands = bands;
     workspace.tiles = make_cache_tiles(binding.film(), seen);
     workspace.normalization = film_normalization(binding.film());
-    if (use == CacheUse::kImageAndGradient) workspace.sums = make_sums(binding);
+    if (use == CacheUse::kImageAndGradient) workspace.sums = make_texel_sums(binding);
     workspace.window =
         options.max_bytes == 0 ? options.window : plan(options, binding, use, seen).window;
     return workspace;
