@@ -39,13 +39,18 @@ double bytes_of(const Mesh& mesh, bool emits) {
            (emits ? triangles * kBytesPerTriangle : 0);
 }
 
-/// And the sums of the gradients of several views: two halves at each level of a tree.
-double texture_bytes(const Theta& theta, std::size_t batch) {
+/// Of all unknowns, once.
+double bytes_of(const Theta& theta) {
     double floats = 0;
     for (const ThetaTexture& t : theta.textures)
         floats += static_cast<double>(t.values.values.size());
+    return floats * sizeof(float);
+}
+
+/// And the sums of the gradients of several views: two halves at each level of a tree.
+double texture_bytes(const Theta& theta, std::size_t batch) {
     const double sums = batch > 1 ? 2.0 * static_cast<double>(std::bit_width(batch)) : 0;
-    return (kTextureArrays + sums) * floats * sizeof(float);
+    return (kTextureArrays + sums) * bytes_of(theta);
 }
 
 double pixels_of(const Image& image) { return double{1} * image.width * image.height; }
@@ -74,9 +79,10 @@ double own_sky_bytes(const RunViews& views) {
     return kBytesOfOwnSkyPixel * all + kBytesOfSkyPixel * most;
 }
 
-/// What a view keeps, and what a visit takes besides.
+/// What a view keeps, what a visit takes besides, and what a visit replaces, which each view of a
+/// batch keeps until the iteration is done.
 struct SampleBytes {
-    double kept = 0, visit = 0;
+    double kept = 0, visit = 0, replaced = 0;
 };
 
 /// Samples of light in so many camera samples for each pixel: both techniques; where light bounces,
@@ -124,7 +130,7 @@ VertexBytes vertex_bytes(const Reservoirs& o, const TracedScene& view,
 }
 
 /// Two reservoirs for each texel, but never more than there were candidates in as many iterations
-/// as confidence reaches back.
+/// as confidence reaches back; and the unknowns and the adjoint under which they were made.
 SampleBytes sample_bytes(const Reservoirs& o, const TracedScene& view,
                          const std::vector<char>& reaching, const Theta& theta) {
     const double samples = light_samples(view, reaching, theta, o.samples);
@@ -136,8 +142,9 @@ SampleBytes sample_bytes(const Reservoirs& o, const TracedScene& view,
         texels += static_cast<double>(t.values.width) * t.values.height;
     const double candidates = 4 * samples;
     const double reservoirs = std::min(2 * texels, candidates * double{1 + o.confidence_cap});
-    const double kept = reservoirs * (sizeof(HistorySample) + vertices.reservoir);
-    return {kept, paths + 3 * kept};
+    const double all = reservoirs * (sizeof(HistorySample) + vertices.reservoir);
+    const double history = all + bytes_of(theta) + pixels_of(view.film) * sizeof(Rgbf);
+    return {history, paths + 2 * all, history};
 }
 
 SampleBytes sample_bytes(const PathCache&, const TracedScene&, const std::vector<char>&,
@@ -272,12 +279,13 @@ MemoryEstimate estimate_memory(const Estimator& estimator, const RunViews& views
                                std::span<const PathCachePlan> plans, const Theta& theta,
                                std::uint32_t seed, std::size_t batch) {
     MemoryEstimate estimate;
+    const std::size_t visited = std::min(batch, views.fitted.size());
     estimate.scene = scene_memory(*views.fitted.front().scene) + own_sky_bytes(views);
-    estimate.textures = texture_bytes(theta, std::min(batch, views.fitted.size()));
+    estimate.textures = texture_bytes(theta, visited);
     const std::optional<KeptCache> kept = kept_cache(estimator);
     if (kept && kept->use == CacheUse::kImageAndGradient)
         estimate.textures += band_bytes(views.fitted, views.reaching, theta, seed);
-    double visit_images = 0, visit_samples = 0;
+    double visit_images = 0, visit_samples = 0, replaced = 0;
     const auto add_view = [&](const TracedScene& view) {
         const double film = pixels_of(view.film) * sizeof(Rgbf);
         estimate.images += kFilmsOfView * film;
@@ -292,8 +300,10 @@ MemoryEstimate estimate_memory(const Estimator& estimator, const RunViews& views
             estimator);
         estimate.samples += samples.kept;
         visit_samples = std::max(visit_samples, samples.visit);
+        replaced = std::max(replaced, samples.replaced);
     }
-    estimate.images += visit_images, estimate.samples += visit_samples;
+    estimate.images += visit_images;
+    estimate.samples += visit_samples + static_cast<double>(visited) * replaced;
     if (plans.empty()) return estimate;
     const ViewShare share = share_memory(estimator, plans);
     const PathCache cache = kept_cache(share.estimator)->options;

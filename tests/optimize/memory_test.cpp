@@ -156,6 +156,23 @@ TEST(Memory, OfBandsStaysFromViewToView) {
     EXPECT_GT(bytes({front, back}), 1.5 * one);
 }
 
+/// A view keeps the unknowns under which its reservoirs were made, and those before for as long as
+/// an iteration lasts.
+TEST(Memory, OfAHistoryCountsItsTextures) {
+    const Reservoirs options{.samples = 1, .confidence_cap = 1};
+    const auto samples = [&](int texels, std::size_t views, std::size_t batch) {
+        const Scene scene = scene_with_roughness(16, texels, 1);
+        const Theta theta = test::theta_of(scene);
+        const std::vector<TracedScene> all(views, prepare(scene));
+        const auto reaching = reaching_pixels(all, theta);
+        return estimate_memory(options, {all, {}, reaching}, {}, theta, kSeed, batch).samples;
+    };
+    const double more = (512 * 512 - 256 * 256) * sizeof(float);
+    for (const auto& [views, batch] : {std::array<std::size_t, 2>{1, 1}, {3, 1}, {3, 2}, {3, 9}})
+        EXPECT_DOUBLE_EQ(samples(512, views, batch) - samples(256, views, batch),
+                         static_cast<double>(views + std::min(views, batch)) * more);
+}
+
 TEST(Memory, OfASkyCountsOnceHoweverItIsTurned) {
     const Scene scene = test::small_scene_of(32);
     const Theta theta = test::theta_of(scene);
