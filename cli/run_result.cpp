@@ -75,12 +75,11 @@ std::string unvisited_text(const RunResult& run, std::size_t texture) {
     if (t.unvisited == 1)
         return fmt::format(
             "No sample of any view came to 1 texel that surfaces read, of {} in all: {}.",
-            count_text(all),
-            t.filled ? "it is filled from those around it in its chart" : "it holds the start");
+            count_text(all), t.filled ? "it is filled from those around it" : "it holds the start");
     return fmt::format(
         "No sample of any view came to {} texels that surfaces read, of {} in all: {}.",
         count_text(t.unvisited), count_text(all),
-        t.filled ? "they are filled from those around them in their chart" : "they hold the start");
+        t.filled ? "they are filled from those around them" : "they hold the start");
 }
 
 std::vector<std::pair<std::string, const Image*>> evidence_maps(const RecoveredTexture& texture) {

@@ -42,7 +42,8 @@ std::vector<RecoveredTexture> recovered_textures(const Setup& setup, const State
         t.unvisited = count_unvisited(pyramid.visits, u.charts);
         const bool fills =
             setup.options.unvisited == Unvisited::kFill && u.start_kind != StartKind::kGiven;
-        t.filled = fills && !u.is_guided;
+        const bool is_seen = std::ranges::any_of(pyramid.visits, [](auto v) { return v > 0; });
+        t.filled = fills && !u.is_guided && is_seen;
         if (!t.filled && pyramid.levels.size() > 1)  // else nothing has moved them
             keep_unvisited(pyramid.visits, searched_last(u, pyramid), t.values);
         const bool repeats = std::get<Bitmap>(scene[u.texture]).wrap == TextureWrap::kRepeat;

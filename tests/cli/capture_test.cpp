@@ -419,7 +419,7 @@ TEST_F(CaptureTest, ManyViewsAreShownOnASheet) {
     const std::size_t key = page.find("relative difference to the picture");
     ASSERT_NE(key, std::string::npos);
     EXPECT_LT(page.rfind("class=\"strip\""), key) << "the key stands below all that it is of";
-    EXPECT_TRUE(contains(report.text, "filled from those around them in their chart"));
+    EXPECT_TRUE(contains(report.text, "they are filled from those around them."));
     ASSERT_EQ(run(command + "--set unvisited=keep -o kept").code, 0);
     EXPECT_TRUE(contains(read_text(folder / "kept/report.html"), "they hold the start"));
 }

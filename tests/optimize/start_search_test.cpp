@@ -574,6 +574,19 @@ TEST(StartSearch, AGivenImageIsKeptWhereNothingIsSeen) {
     EXPECT_GT(filled, 20u);
 }
 
+/// Where no sample comes to any texel nothing is there to fill from.
+TEST(StartSearch, AStartOfWhichNothingIsSeenIsNotFilled) {
+    Scene scene = smooth_scene();
+    for (const bool is_seen : {true, false}) {
+        if (!is_seen) scene.camera.to_world = look_at({0, 0, 5}, {0, 0, 10}, {0, 1, 0});
+        Options options;
+        options.stop.iterations = 2, options.evaluation_samples = 2;
+        const RecoveredTexture t = solve(searched_problem(scene, 0.5f), options).textures[0];
+        EXPECT_EQ(t.filled, is_seen);
+        EXPECT_EQ(t.values == t.start, !is_seen);
+    }
+}
+
 /// With a uniform offset, shifts have the density of the filter about the square's pixels.
 TEST(StartSearch, ShiftsFollowTheFilter) {
     for (const ReconstructionFilter filter :
