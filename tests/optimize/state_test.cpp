@@ -170,5 +170,38 @@ TEST(State, OfAnotherProblemOrOtherOptionsIsRefused) {
     }
 }
 
+/// What was changed is among what the message names.
+TEST(State, OfOtherOptionsIsRefusedWithTheirNames) {
+    Problem problem = test::state_problem();
+    problem.views.push_back(problem.views[0]);
+    const auto refusal = [&](const Options& before, const Options& after) {
+        Solver solver(problem, before);
+        test::step_to(4, solver);
+        const State state = solver.state();
+        return test::error_of([&] { Solver(problem, after, state); });
+    };
+    const auto with = [](const auto& change) {
+        Options options;
+        change(options);
+        return options;
+    };
+    const Options undecayed = with([](Options& o) { o.pyramid.weight_decay = 0; });
+    const Options one = with([](Options&o) { o.estimator = Reservoirs{.samples = 1}; }),
+                  two = with([](Options&o) { o.estimator = Reservoirs{.samples = 2}; });
+    const Options kept = with([](Options&o) { o.estimator = MonteCarlo{.image_window = 2}; }),
+                  fresh = with([](Options&o) { o.estimator = MonteCarlo{.image_window = 0}; });
+    const Options both = with([](Options& o) { o.batch = 2; });
+    struct Case {
+        const char* name;
+        Options before, after;
+    };
+    for (const auto& [name, before, after] :
+         {Case{"pyramid.weight_decay", undecayed, {}}, Case{"samples", one, two},
+          Case{"image_window", kept, fresh}, Case{"batch", {}, both}}) {
+        EXPECT_NE(refusal(before, after).find(name), std::string::npos) << name;
+        EXPECT_EQ(refusal(before, before), "") << name;
+    }
+}
+
 }  // namespace
 }  // namespace burnish
