@@ -133,7 +133,7 @@ constexpr RunRow kTable[] = {
               .sentence =
                   "Step of the optimiser for each parameter, not divided; once or per parameter "
                   "[0.003 to 0.01, by the start, divided by the unknowns of the material]",
-              .range = {0, kMaxLearningRate, false, true}},
+              .range = {kMinLearningRate, kMaxLearningRate, false, true}},
      .field = &RunSettings::learning_rates,
      .needs = "a parameter without a learning rate of its own",
      .holds = has_unrated},

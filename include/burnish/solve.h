@@ -59,7 +59,8 @@ struct Unknown {
     /// Of the parameter: Mitsuba's, or any short form that means one texture.
     std::string name = {};
     Start start = SearchStart{};
-    /// Up to 1e6; 0: Options::learning_rate, shared out among the unknowns of a material.
+    /// Above 1e-36, up to 1e6; 0: Options::learning_rate, shared out among the unknowns of a
+    /// material.
     double learning_rate = 0;
 };
 

@@ -157,7 +157,7 @@ constexpr OptionRow kTable[] = {
           "Step of the optimiser, divided by the number of unknowns of the material, those with "
           "a rate of their own included; auto: 0.005 from a searched start, 0.003 where known "
           "textures guide that search, else 0.01",
-      .range = {0, kMaxLearningRate, false, true},
+      .range = {kMinLearningRate, kMaxLearningRate, false, true},
       .unset = "auto"},
      of_options<&Options::learning_rate>(),
      kUnrated},

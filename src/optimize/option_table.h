@@ -10,8 +10,9 @@
 
 namespace burnish {
 
-/// What a learning rate may be at most.
-inline constexpr double kMaxLearningRate = 1e6;
+/// What a learning rate is above, so that single precision holds it, shared out among unknowns,
+/// too; and at most.
+inline constexpr double kMinLearningRate = 1e-36, kMaxLearningRate = 1e6;
 /// The most that a search for the start takes, in units of that of a run of a minute.
 inline constexpr double kMaxSearchEffort = 4;
 

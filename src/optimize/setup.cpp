@@ -31,9 +31,10 @@ void check_options(const Options& o) {
 }
 
 void check_rate(const Unknown& u) {
-    require(u.learning_rate >= 0 && u.learning_rate <= kMaxLearningRate,
-            fmt::format("the learning rate of {} is {:g}, expected one above 0, at most {:g}",
-                        u.name, u.learning_rate, kMaxLearningRate));
+    const double rate = u.learning_rate;
+    require(rate == 0 || (rate > kMinLearningRate && rate <= kMaxLearningRate),
+            fmt::format("the learning rate of {} is {:g}, expected one above {:g}, at most {:g}",
+                        u.name, rate, kMinLearningRate, kMaxLearningRate));
 }
 
 StartKind kind_of_start(const Problem& problem, const Unknown& unknown) {

@@ -103,6 +103,7 @@ def test_misspelled_options_are_guessed(problem):
     (dict(time=math.inf), "time: expected"),
     (dict(time=math.nan), "time: expected"),
     (dict(learning_rate=0), "learning_rate: expected"),
+    (dict(learning_rate=1e-46), "learning_rate: expected a number above 1e-36"),
     (dict(estimator="best"), "estimator: expected one of path_cache, mc"),
     (dict(loss=lambda image: 0), "loss: expected one of relmse"),
     (dict(adam_gate=2), "adam_gate: expected"),
@@ -158,8 +159,8 @@ def test_options_that_the_scene_and_the_views_leave_without_effect_are_warned_of
 
 
 def test_rates_of_an_unknown_out_of_range(renderer, target):
-    for rate in (math.inf, 1e39, 2e6):
-        with pytest.raises(burnish.InputError, match=f"learning rate of {NAME} is .*, expected one above 0, at most 1e.06"):
+    for rate in (math.inf, 1e39, 2e6, 1e-46):
+        with pytest.raises(burnish.InputError, match=f"learning rate of {NAME} is .*, expected one above 1e-36, at most 1e.06"):
             burnish.Solver(burnish.Problem(renderer, target, burnish.Unknown(NAME, 0.5, learning_rate=rate)))
 
 
