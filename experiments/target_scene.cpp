@@ -100,6 +100,7 @@ MonteCarlo baseline_estimator(const ReproduceOptions& options) {
 Options paper_options(const TargetScene& scene, const ReproduceOptions& options) {
     Options paper;
     paper.estimator = paper_estimator(scene, options);
+    paper.loss = Loss::kRelMse;
     paper.parameterization = Parameterization::kTexels;
     paper.learning_rate = double{scene.source.learning_rate};
     paper.seed = options.seed;

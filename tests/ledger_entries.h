@@ -633,6 +633,19 @@ inline constexpr LedgerEntry kFittedExposures{
                  {"exposure 1.2 % too small",
                   "Iteration.GradientAtAFittedExposureIsTheSlopeOfTheFittedLoss"}}}};
 
+inline constexpr LedgerEntry kReweighted{
+    .name = "optimize/iteration: reweighted pixels",
+    .catches =
+        "pixels that are weighed by an image of the same samples: a gradient that noise moves where "
+        "the image is the target",
+    .alpha = 1e-7,
+    .comparisons = 4,
+    .seed = 77000,
+    .thorough = 2,
+    .tests = "Iteration.GradientOfReweightedPixelsIsZeroAtTheTarget",
+    .defects = {{{"weights of the same samples",
+                  "Iteration.GradientOfReweightedPixelsIsZeroAtTheTarget"}}}};
+
 inline constexpr LedgerEntry kSummaryLosses{
     .name = "optimize/summary: losses",
     .catches = "a loss at the start, or a noise floor, that noise moves",
@@ -788,6 +801,7 @@ inline constexpr const LedgerEntry* kLedger[] = {
     &ledger::kIterations,
     &ledger::kManyReservoirs,
     &ledger::kFittedExposures,
+    &ledger::kReweighted,
     &ledger::kSummaryLosses,
     &ledger::kBaselineGradients,
     &ledger::kPgrisGradients,

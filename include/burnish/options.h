@@ -94,6 +94,11 @@ enum class Loss {
     kRelMse,  ///< mean of (I - G)^2 / (G^2 + 0.01)
     kL2,      ///< mean of (I - G)^2
     kL1,  ///< mean of |I - G|; its derivative is not affine in I: a noisy image biases the gradient
+    /// relMSE as iteratively reweighted least squares: its value is relMSE, its gradient that of
+    /// the mean of (I - G)^2 / (max(J, G)^2 + 0.01) by I, where J is an image of other samples.
+    /// Pixels that are too bright do not outweigh all others. J varies with its noise, but is
+    /// independent of I: where I is G on average the gradient is zero on average.
+    kReweighted,
 };
 
 /// The value of a loss, and dL/dI [height, width, 3].
@@ -161,7 +166,7 @@ struct Stop {
 /// A number outside of its range of docs/reference/options.md is refused.
 struct Options {
     Estimator estimator = {};
-    Loss loss = Loss::kRelMse;
+    Loss loss = Loss::kReweighted;
     /// Above 0; shared out among the unknowns of a material. Empty: 0.005 for those whose start is
     /// searched, 0.003 where known textures guide that search, otherwise 0.01.
     std::optional<double> learning_rate = {};

@@ -90,19 +90,6 @@ void join_rows(const Background& below, Background& to) {
     to.counts.insert(to.counts.end(), below.counts.begin(), below.counts.end());
 }
 
-Image mean_of(std::span<const Background> backgrounds) {
-    Background all = backgrounds.front();
-    for (const Background& b : backgrounds.subspan(1))
-        for (std::size_t i = 0; i < all.counts.size(); ++i) {
-            all.counts[i] += b.counts[i];
-            const float share =
-                static_cast<float>(b.counts[i]) / static_cast<float>(std::max(1u, all.counts[i]));
-            for (std::size_t k = 3 * i; k < 3 * i + 3; ++k)
-                all.mean.values[k] += (b.mean.values[k] - all.mean.values[k]) * share;
-        }
-    return std::move(all.mean);
-}
-
 void add_passes(const Image& mean, std::uint32_t passes, std::span<const char> only,
                 Background& background) {
     background.passes += passes;

@@ -64,9 +64,6 @@ Background rows_of(const Background& whole, const IndexRange& rows);
 /// Adds the rows below.
 void join_rows(const Background& below, Background& to);
 
-/// The mean of all passes, where they are in several.
-Image mean_of(std::span<const Background> backgrounds);
-
 /// Takes in passes given as their mean. only: non-zero where the passes have sampled a pixel in
 /// full, one per pixel; empty: everywhere.
 void add_passes(const Image& mean, std::uint32_t passes, std::span<const char> only,

@@ -3,6 +3,9 @@
 #include <bit>
 #include <cstdint>
 
+#include "core/dirty_blocks.h"
+#include "core/parallel.h"
+
 namespace burnish {
 
 bool is_finite(const Image& image) {
@@ -64,8 +67,9 @@ std::string size_text(int width, int height) {
 
 Image mean_of(const Image& a, const Image& b) {
     Image mean = a;
-    for (std::size_t i = 0; i < mean.values.size(); ++i)
-        mean.values[i] = 0.5f * (a.values[i] + b.values[i]);
+    parallel_chunks(mean.values.size(), kParallelFloats, [&](std::size_t i, std::size_t end) {
+        for (; i < end; ++i) mean.values[i] = 0.5f * (a.values[i] + b.values[i]);
+    });
     return mean;
 }
 

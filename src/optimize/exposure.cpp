@@ -102,6 +102,7 @@ Sums best_factors(bool by_channel, Loss loss, const ImageHalves& halves,
                   const WeightedPicture& picture) {
     switch (loss) {
         case Loss::kRelMse:
+        case Loss::kReweighted:
         case Loss::kL2:
             return least_squares(by_channel, loss, halves, picture);
         case Loss::kL1:

@@ -169,7 +169,7 @@ void roll_back(std::vector<ViewBefore>& before) {
 
 ViewState make_view_state(const Setup& setup, std::size_t view) {
     const View& v = setup.problem.views[view];
-    const std::size_t backgrounds = fits_exposure(v.exposure) ? 2 : 1;
+    const std::size_t backgrounds = fits_exposure(v.exposure) || is_reweighted(setup) ? 2 : 1;
     ViewState state{0, make_state(setup.options.estimator), std::vector<Background>(backgrounds)};
     state.exposure = factors_of(v.exposure);
     return state;

@@ -18,6 +18,7 @@ Term loss_term(Loss loss, double i, double g) {
     const double d = i - g;
     switch (loss) {
         case Loss::kRelMse:
+        case Loss::kReweighted:
         case Loss::kL2: {
             const double scale = square_weight(loss, g);
             return {d * d * scale, 2 * d * scale};
@@ -62,6 +63,7 @@ double sum_rows(int height, const Row& row) {
 double square_weight(Loss loss, double g) {
     switch (loss) {
         case Loss::kRelMse:
+        case Loss::kReweighted:
             return 1 / (g * g + 0.01);
         case Loss::kL2:
             return 1;
@@ -74,6 +76,7 @@ double square_weight(Loss loss, double g) {
 bool is_unbiased(Loss loss) {
     switch (loss) {
         case Loss::kRelMse:
+        case Loss::kReweighted:
         case Loss::kL2:
             return true;
         case Loss::kL1:

@@ -5,7 +5,7 @@
 
 namespace burnish {
 
-/// Whether its derivative is affine in the image.
+/// Whether its derivative is affine in the image, those that reweigh apart.
 bool is_unbiased(Loss loss);
 
 /// What multiplies (I - G)^2, where the loss is a sum of squares; 0: it is not.
@@ -17,7 +17,8 @@ inline double mask_at(const Image& mask, int x, int y, int c) {
 }
 
 /// The value is averaged over pixels and channels: a mask weighs, it does not shorten the mean.
-/// mask: as of mask_at.
+/// mask: as of mask_at. The adjoint of Loss::kReweighted is that of relMSE: see
+/// reweigh.
 LossValue evaluate_loss(Loss loss, const Image& image, const Image& target, const Image& mask);
 /// The value alone.
 double loss_value(Loss loss, const Image& image, const Image& target, const Image& mask);

@@ -150,7 +150,10 @@ constexpr OptionRow kTable[] = {
       .range = {0, 1e6, false, true}},
      of<Reservoirs, &Reservoirs::confidence_cap>(),
      kReuse},
-    {{.name = "loss", .flag = "--loss", .sentence = "What is minimised"},
+    {{.name = "loss",
+      .flag = "--loss",
+      .sentence = "What is minimised; reweighted: relmse, but a pixel that is too bright counts "
+                  "no more in the gradient than one whose target is as bright"},
      of_options<&Options::loss>()},
     {{.name = "learning_rate",
       .sentence =

@@ -34,8 +34,10 @@ template <>
 constexpr Choice<MergeRule> kChoices<MergeRule>[] = {{"balance", MergeRule::kBalance},
                                                      {"defensive", MergeRule::kDefensive}};
 template <>
-constexpr Choice<Loss> kChoices<Loss>[] = {
-    {"relmse", Loss::kRelMse}, {"l2", Loss::kL2}, {"l1", Loss::kL1}};
+constexpr Choice<Loss> kChoices<Loss>[] = {{"relmse", Loss::kRelMse},
+                                           {"reweighted", Loss::kReweighted},
+                                           {"l2", Loss::kL2},
+                                           {"l1", Loss::kL1}};
 template <>
 constexpr Choice<Parameterization> kChoices<Parameterization>[] = {
     {"pyramid", Parameterization::kPyramid}, {"texels", Parameterization::kTexels}};

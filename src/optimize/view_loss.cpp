@@ -6,6 +6,8 @@
 #include <utility>
 
 #include "burnish/error.h"
+#include "core/dirty_blocks.h"
+#include "core/parallel.h"
 #include "image/image.h"
 #include "image/whole.h"
 #include "optimize/exposure.h"
@@ -67,6 +69,27 @@ double loss_value_of(const Setup& setup, std::size_t view, const ExposureFactors
                                   : loss_value(setup.options.loss, shown, v.image, v.mask);
     };
     return exposure == kNone ? evaluate(image) : evaluate(exposed(exposure, image));
+}
+
+bool is_reweighted(const Setup& setup) {
+    return !setup.problem.loss && setup.options.loss == Loss::kReweighted;
+}
+
+void reweigh(const Setup& setup, std::size_t view, const ExposureFactors& exposure,
+             const std::vector<Image>& images, std::vector<Image>& adjoints) {
+    const Image& target = setup.problem.views[view].image;
+    const auto weight = [](float v) { return square_weight(Loss::kReweighted, double{v}); };
+    const auto reweigh_chunk = [&](const Image& other, Image& adjoint, std::size_t i,
+                                   std::size_t end) {
+        for (; i < end; ++i) {
+            const float j = exposure[i % 3] * other.values[i], g = target.values[i];
+            if (j > g) adjoint.values[i] *= static_cast<float>(weight(j) / weight(g));
+        }
+    };
+    parallel_chunks(target.values.size(), kParallelFloats, [&](std::size_t i, std::size_t end) {
+        reweigh_chunk(images[1], adjoints[0], i, end);
+        reweigh_chunk(images[0], adjoints[1], i, end);
+    });
 }
 
 double held_out_loss(const Setup& setup, std::size_t view, Image a, Image b) {

@@ -20,6 +20,12 @@ LossValue loss_of(const Setup& setup, std::size_t view, const ExposureFactors& e
                   const Image& image);
 double loss_value_of(const Setup& setup, std::size_t view, const ExposureFactors& exposure,
                      const Image& image);
+/// Whether the gradient reweighs the pixels: see Loss::kReweighted.
+bool is_reweighted(const Setup& setup);
+/// The adjoints of two images that are independent of each other, before the exposure, each under
+/// the weights of the other.
+void reweigh(const Setup& setup, std::size_t view, const ExposureFactors& exposure,
+             const std::vector<Image>& images, std::vector<Image>& adjoints);
 /// The loss of the image that a and b, independent of each other, are noisy versions of, without
 /// their noise where that is known: see loss_of_halves. Of a loss of your own: that of their mean.
 double held_out_loss(const Setup& setup, std::size_t view, Image a, Image b);

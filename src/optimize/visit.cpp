@@ -22,14 +22,9 @@ void fields(auto& archive, Is<VisitTiles> auto& v) {
 
 namespace {
 
-/// to += scale (a + b + ...), value by value.
-void add(Image& to, float scale, std::span<const Image> images) {
-    parallel_chunks(to.values.size(), std::size_t{1} << 16, [&](std::size_t i, std::size_t end) {
-        for (; i < end; ++i) {
-            float sum = images[0].values[i];
-            for (std::size_t k = 1; k < images.size(); ++k) sum += images[k].values[i];
-            to.values[i] += scale * sum;
-        }
+void add(const Image& image, Image& to) {
+    parallel_chunks(to.values.size(), kParallelFloats, [&](std::size_t i, std::size_t end) {
+        for (; i < end; ++i) to.values[i] += image.values[i];
     });
 }
 
@@ -41,31 +36,32 @@ struct Losses {
     std::size_t rejected = 0;  ///< values of the loss and of the adjoints that were not finite
 };
 
-/// Images [of one half or two] without the background become those of a visit.
-Losses all_losses(const Setup& setup, std::size_t view, const Image& background,
-                  const ExposureFactors& exposure, std::vector<Image>& images) {
+/// Of the images of a visit, one or two, which are left as they are.
+Losses all_losses(const Setup& setup, std::size_t view, const ExposureFactors& exposure,
+                  const std::vector<Image>& images) {
     Losses losses;
-    losses.mean = background;
-    add(losses.mean, 1 / static_cast<float>(images.size()), images);
-    if (images.size() == 1 || has_own_derivatives(setup.options.estimator)) {
+    const bool is_one = has_own_derivatives(setup.options.estimator) && !is_reweighted(setup);
+    losses.mean = images.size() == 1 ? images[0] : mean_of(images[0], images[1]);
+    if (images.size() == 1 || is_one) {
         LossValue loss = loss_of(setup, view, exposure, losses.mean);
         losses.value = loss.value;
         losses.adjoints.push_back(std::move(loss.adjoint));
         return losses;
     }
     losses.value = loss_value_of(setup, view, exposure, losses.mean);
-    for (Image& image : images) {
-        add(image, 1.0f, {&background, 1});
+    for (const Image& image : images)
         losses.adjoints.push_back(loss_of(setup, view, exposure, image).adjoint);
-    }
+    if (is_reweighted(setup)) reweigh(setup, view, exposure, images, losses.adjoints);
+    if (has_own_derivatives(setup.options.estimator))
+        losses.adjoints = {mean_of(losses.adjoints[0], losses.adjoints[1])};
     return losses;
 }
 
 /// The same with adjoints that are finite: a loss of one's own may be anything, and images may be
 /// too large for it.
-Losses find_losses(const Setup& setup, std::size_t view, const Image& background,
-                   const ExposureFactors& exposure, std::vector<Image>& images) {
-    Losses losses = all_losses(setup, view, background, exposure, images);
+Losses find_losses(const Setup& setup, std::size_t view, const ExposureFactors& exposure,
+                   const std::vector<Image>& images) {
+    Losses losses = all_losses(setup, view, exposure, images);
     losses.rejected = !std::isfinite(losses.value);
     for (Image& adjoint : losses.adjoints) losses.rejected += leave_out_non_finite(adjoint);
     return losses;
@@ -86,19 +82,10 @@ void for_backgrounds(const Setup& setup, std::uint32_t seed, const ViewState& ow
     for (std::uint32_t half = 0; half < halves; ++half) {
         if (own.visits > 0 && own.visits % halves != half) continue;
         const BackgroundOptions options{std::max(1u, image_samples(o.estimator) / 8),
-                                        o.background_samples / halves, seed_of_half(seed, half)};
+                                        std::max(1u, o.background_samples / halves),
+                                        seed_of_half(seed, half)};
         body(half, BackgroundVisit{options, (own.visits + halves - 1) / halves});
     }
-}
-
-/// The exposure of a visit, from images without their backgrounds.
-ExposureFactors find_exposure(const Setup& setup, std::size_t view, const ViewState& own,
-                              const std::vector<Image>& images) {
-    if (own.backgrounds.size() == 1) return own.exposure;
-    Image a = own.backgrounds[0].mean, b = own.backgrounds[1].mean;
-    add(a, 1.0f, {&images.front(), 1});
-    add(b, 1.0f, {&images.back(), 1});
-    return exposure_of(setup, view, a, b, own.exposure);
 }
 
 void scale(float factor, std::vector<Image>& images) {
@@ -128,10 +115,12 @@ GradientEstimate differentiate(const VisitedView& v, float share, const Binding&
     Stopwatch watch;
     const std::size_t view = number_of(v);
     ViewState& own = v.state;
-    own.exposure = find_exposure(v.setup, view, own, images);
-    const Image both = own.backgrounds.size() > 1 ? mean_of(own.backgrounds) : Image{};
-    const Image& background = own.backgrounds.size() > 1 ? both : own.backgrounds[0].mean;
-    Losses losses = find_losses(v.setup, view, background, own.exposure, images);
+    for (std::size_t h = 0; h < images.size();
+         ++h)  // each with its own background, or all with one
+        add(own.backgrounds[h % own.backgrounds.size()].mean, images[h]);
+    if (images.size() == 2)
+        own.exposure = exposure_of(v.setup, view, images[0], images[1], own.exposure);
+    Losses losses = find_losses(v.setup, view, own.exposure, images);
     report.loss = double{share} * losses.value;
     // Of the processes that share the view one tells of it.
     if (v.setup.owners[view] == v.setup.problem.ranks.rank)

@@ -100,11 +100,13 @@ struct RunMeans {
 
 RunMeans mean_of_runs(const Script& script, const Estimator& estimator,
                       const std::vector<Direction>& directions, const test::LedgerEntry& entry,
-                      std::uint32_t runs, test::Tamper tamper = test::leave_alone) {
+                      std::uint32_t runs, test::Tamper tamper = test::leave_alone,
+                      Loss loss = Loss::kRelMse) {
     std::vector<std::vector<double>> values(test::scaled(entry, runs));
     std::vector<ExposureFactors> exposures(values.size());
     parallel_for(values.size(), [&](std::size_t r) {
         Options options = test::gradient_options(estimator);
+        options.loss = loss;
         options.seed = test::seed_of(entry, static_cast<std::uint32_t>(r));
         const Solver solver = run(script, options, tamper);
         exposures[r] = solver.exposure();
@@ -188,6 +190,43 @@ TEST(Iteration, GradientIsTheSlopeOfTheLoss) {
         for (test::MeanEstimate& m : means) m = test::scaled_by(m, 1.1);
         EXPECT_TRUE(rejected(entry, "gradient 10 % larger", p_value(means, truth)));
     }
+}
+
+/// The mean of images whose noise is small beside that of a mean of runs.
+Image converged_image(const Script& script) {
+    constexpr std::uint32_t kSamples = 1 << 15;
+    return script.problem.renderer.render(
+        kSamples, 890, test::moved(script.problem, script.theta.back(),
+                                   zeros(script.theta.back()), 0));
+}
+
+/// Each estimator in the ways it comes by two images.
+TEST(Iteration, GradientOfReweightedPixelsIsZeroAtTheTarget) {
+    const test::LedgerEntry& entry = test::ledger::kReweighted;
+    Script script = make_script(test::make_strip_scene(20, 3));
+    const std::vector<Direction> directions = make_directions(script);
+    const Image target = converged_image(script);
+    script.problem.views[0].image = target;
+    const std::vector<test::MeanEstimate> zero(directions.size(), {0, 0});
+    for (const auto& [name, estimator] : cases()) {
+        const std::set<std::string> some{"mc", "pgris, kept image", "path cache, sobol",
+                                         "path cache, independent"};
+        if (some.count(name) == 0) continue;
+        const RunMeans means = mean_of_runs(script, estimator, directions, entry, 400,
+                                            test::leave_alone, Loss::kReweighted);
+        EXPECT_TRUE(accepted(entry, name, p_value(means.along, zero)));
+    }
+    script.problem.loss = [&](const Image& image, std::size_t) {
+        LossValue loss = evaluate_loss(Loss::kReweighted, image, target, {});
+        for (std::size_t i = 0; i < target.values.size(); ++i) {
+            const float j = image.values[i], g = target.values[i];
+            if (j > g) loss.adjoint.values[i] *= (g * g + 0.01f) / (j * j + 0.01f);
+        }
+        return loss;
+    };
+    EXPECT_TRUE(rejected(
+        entry, "weights of the same samples",
+        p_value(mean_along(script, MonteCarlo{4, 1, true}, directions, entry, 400), zero)));
 }
 
 /// That of converged images.

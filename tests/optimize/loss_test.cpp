@@ -7,6 +7,8 @@
 
 #include "images.h"
 #include "optimize/option_value.h"
+#include "optimize/small_problem.h"
+#include "optimize/view_loss.h"
 #include "worst.h"
 
 namespace burnish {
@@ -143,9 +145,33 @@ TEST(Loss, ThoseThatClaimToBeUnbiasedAreAffineInTheImage) {
     for (const auto& [name, loss] : choices<Loss>())
         EXPECT_EQ(second_difference(loss) < 1e-6, is_unbiased(loss)) << name;
     EXPECT_TRUE(is_unbiased(Loss::kRelMse));
+    EXPECT_TRUE(is_unbiased(Loss::kReweighted));
     EXPECT_TRUE(is_unbiased(Loss::kL2));
     EXPECT_FALSE(is_unbiased(Loss::kL1));
     EXPECT_GT(second_difference(Loss::kL1), 1e-2);
+}
+
+/// In each half a pixel is weighed by the other one, exposed, where that is brighter than the
+/// target.
+TEST(Loss, ReweightedPixelsAreThoseThatAreTooBright) {
+    const burnish::Setup setup = make_setup(test::problem_of(test::small_scene_of(24)), {});
+    const Image& target = setup.problem.views[0].image;
+    const auto noisy = [&](std::uint32_t seed) { return test::random_image(24, 24, 3, 0, 1, seed); };
+    const std::vector<Image> images{noisy(31), noisy(32)};
+    std::vector<Image> adjoints(2, make_image(24, 24, 3, 1.0f));
+    const ExposureFactors exposure{0.5f, 1, 2};
+    reweigh(setup, 0, exposure, images, adjoints);
+    std::size_t changed = 0;
+    for (std::size_t h = 0; h < 2; ++h)
+        for (std::size_t i = 0; i < target.values.size(); ++i) {
+            const double g = double{target.values[i]},
+                         j = double{exposure[i % 3]} * double{images[1 - h].values[i]},
+                         most = std::max(j, g);
+            EXPECT_NEAR(double{adjoints[h].values[i]}, (g * g + 0.01) / (most * most + 0.01), 1e-6);
+            changed += adjoints[h].values[i] != 1;
+        }
+    EXPECT_GT(changed, 100u);
+    EXPECT_LT(changed, 2 * target.values.size() - 100);
 }
 
 }  // namespace

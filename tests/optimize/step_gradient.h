@@ -20,6 +20,7 @@ inline Options gradient_options(const Estimator& estimator) {
     options.adam.beta1 = 0;
     options.adam.initial_rate = 0.0f;
     options.learning_rate = 1e-12;
+    options.loss = Loss::kRelMse;
     options.background_samples = 64;
     return options;
 }
