@@ -636,7 +636,8 @@ inline constexpr LedgerEntry kFittedExposures{
 inline constexpr LedgerEntry kReweighted{
     .name = "optimize/iteration: reweighted pixels",
     .catches =
-        "pixels that are weighed by an image of the same samples: a gradient that noise moves where "
+        "pixels that are weighed by an image of the same samples: a gradient that noise moves "
+        "where "
         "the image is the target",
     .alpha = 1e-7,
     .comparisons = 4,

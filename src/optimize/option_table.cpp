@@ -41,8 +41,7 @@ constexpr OptionCondition kMonteCarlo{"the estimator mc", holds<MonteCarlo>};
 constexpr OptionCondition kReservoirs{"the estimator ris, pris, gris or pgris", holds<Reservoirs>};
 constexpr OptionCondition kReuse{"an estimator that reuses reservoirs, gris or pgris", reuses};
 constexpr OptionCondition kPyramid{"the parameterization pyramid", has_pyramid};
-constexpr OptionCondition kLevels{"the parameterization pyramid with two levels or more",
-                                  has_levels};
+constexpr OptionCondition kLevels{"the parameterization pyramid of two levels or more", has_levels};
 constexpr OptionCondition kSplit{"an estimator with a split-sample gradient, path_cache",
                                  [](const Options& o) { return has_split_gradient(o.estimator); }};
 constexpr OptionCondition kUnrated{"an unknown without a learning rate of its own", nullptr};
@@ -152,8 +151,7 @@ constexpr OptionRow kTable[] = {
      kReuse},
     {{.name = "loss",
       .flag = "--loss",
-      .sentence = "What is minimised; reweighted: relmse, but a pixel that is too bright counts "
-                  "no more in the gradient than one whose target is as bright"},
+      .sentence = "What is minimised; reweighted is relmse, but for pixels that are too bright"},
      of_options<&Options::loss>()},
     {{.name = "learning_rate",
       .sentence =

@@ -1,7 +1,6 @@
 #include "burnish/solve.h"
 
 #include <algorithm>
-#include <cmath>
 #include <new>
 
 #include "burnish/error.h"
@@ -325,29 +324,6 @@ Summary solve(Problem problem, const Options& options, Checkpoint from,
     CheckpointWriter writer(checkpoints, std::move(inputs), ranks, state.iteration);
     Solver solver(resumed_run(std::move(setup), std::move(state)));
     return solve_from(std::move(solver), std::move(from.run), callback, progress, &writer);
-}
-
-double loss_without_noise(const ViewEvaluation& e) {
-    return std::isfinite(e.noise_floor) ? e.loss - e.noise_floor : e.loss;
-}
-double loss_without_noise(const Evaluation& e) {
-    return loss_without_noise(ViewEvaluation{.loss = e.loss, .noise_floor = e.noise_floor});
-}
-
-const char* name_of(Ending ending) {
-    switch (ending) {
-        case Ending::kIterations:
-            return "iterations";
-        case Ending::kTime:
-            return "time";
-        case Ending::kPatience:
-            return "patience";
-        case Ending::kCancelled:
-            return "cancelled";
-        case Ending::kSuspended:
-            return "suspended";
-    }
-    return "";
 }
 
 }  // namespace burnish

@@ -1,6 +1,7 @@
 #include "optimize/summary.h"
 
 #include <bit>
+#include <cmath>
 
 namespace burnish {
 
@@ -30,6 +31,29 @@ void add_iteration(const Iteration& iteration, Summary& summary) {
     counts.derivatives += iteration.derivatives;
     counts.rejected_image += iteration.rejected_image;
     counts.rejected_derivatives += iteration.rejected_derivatives;
+}
+
+double loss_without_noise(const ViewEvaluation& e) {
+    return std::isfinite(e.noise_floor) ? e.loss - e.noise_floor : e.loss;
+}
+double loss_without_noise(const Evaluation& e) {
+    return loss_without_noise(ViewEvaluation{.loss = e.loss, .noise_floor = e.noise_floor});
+}
+
+const char* name_of(Ending ending) {
+    switch (ending) {
+        case Ending::kIterations:
+            return "iterations";
+        case Ending::kTime:
+            return "time";
+        case Ending::kPatience:
+            return "patience";
+        case Ending::kCancelled:
+            return "cancelled";
+        case Ending::kSuspended:
+            return "suspended";
+    }
+    return "";
 }
 
 }  // namespace burnish

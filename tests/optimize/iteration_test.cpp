@@ -196,8 +196,8 @@ TEST(Iteration, GradientIsTheSlopeOfTheLoss) {
 Image converged_image(const Script& script) {
     constexpr std::uint32_t kSamples = 1 << 15;
     return script.problem.renderer.render(
-        kSamples, 890, test::moved(script.problem, script.theta.back(),
-                                   zeros(script.theta.back()), 0));
+        kSamples, 890,
+        test::moved(script.problem, script.theta.back(), zeros(script.theta.back()), 0));
 }
 
 /// Each estimator in the ways it comes by two images.

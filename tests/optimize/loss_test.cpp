@@ -156,7 +156,9 @@ TEST(Loss, ThoseThatClaimToBeUnbiasedAreAffineInTheImage) {
 TEST(Loss, ReweightedPixelsAreThoseThatAreTooBright) {
     const burnish::Setup setup = make_setup(test::problem_of(test::small_scene_of(24)), {});
     const Image& target = setup.problem.views[0].image;
-    const auto noisy = [&](std::uint32_t seed) { return test::random_image(24, 24, 3, 0, 1, seed); };
+    const auto noisy = [&](std::uint32_t seed) {
+        return test::random_image(24, 24, 3, 0, 1, seed);
+    };
     const std::vector<Image> images{noisy(31), noisy(32)};
     std::vector<Image> adjoints(2, make_image(24, 24, 3, 1.0f));
     const ExposureFactors exposure{0.5f, 1, 2};

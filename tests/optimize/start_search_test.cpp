@@ -31,8 +31,8 @@ double error_after(const Scene& scene, Start start, int iterations) {
     return distance_of(solver.texture(0), truth_of(scene, 0));
 }
 
-/// From 0.5 the picture gets better towards matt under relMSE: beyond the hump of the loss lies another valley.
-/// Replacing the search by 0.5 is the seeded defect that must fail here.
+/// From 0.5 the picture gets better towards matt under relMSE: beyond the hump of the loss lies
+/// another valley. Replacing the search by 0.5 is the seeded defect that must fail here.
 TEST(StartSearch, StartsInTheValleyThatDescentMisses) {
     const Scene scene = smooth_scene();
     const auto starts_right = [&](const Start& start) {
