@@ -191,13 +191,14 @@ TEST(State, OfOtherOptionsIsRefusedWithTheirNames) {
     const Options kept = with([](Options&o) { o.estimator = MonteCarlo{.image_window = 2}; }),
                   fresh = with([](Options&o) { o.estimator = MonteCarlo{.image_window = 0}; });
     const Options both = with([](Options& o) { o.batch = 2; });
+    const Options plain = with([](Options& o) { o.loss = Loss::kRelMse; });
     struct Case {
         const char* name;
         Options before, after;
     };
     for (const auto& [name, before, after] :
          {Case{"pyramid.weight_decay", undecayed, {}}, Case{"samples", one, two},
-          Case{"image_window", kept, fresh}, Case{"batch", {}, both}}) {
+          Case{"image_window", kept, fresh}, Case{"batch", {}, both}, Case{"loss", plain, {}}}) {
         EXPECT_NE(refusal(before, after).find(name), std::string::npos) << name;
         EXPECT_EQ(refusal(before, before), "") << name;
     }
