@@ -68,6 +68,7 @@ Options options_of(const CommandLine& line) {
     Options options;
     options.estimator = with_samples(estimator_of(line.estimator), line);
     options.parameterization = parameterization_of(line.parameterization);
+    options.loss = Loss::kRelMse;
     options.learning_rate = line.learning_rate;
     options.seed = line.seed;
     return options;

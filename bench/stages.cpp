@@ -114,6 +114,7 @@ Options options_of(const CommandLine& line, const std::string& variant) {
     Options options;
     options.estimator = estimator_of(variant);
     options.parameterization = Parameterization::kTexels;
+    options.loss = Loss::kRelMse;
     if (auto* o = std::get_if<MonteCarlo>(&options.estimator)) o->image_samples = line.spp;
     if (auto* o = std::get_if<Reservoirs>(&options.estimator)) o->image_samples = line.spp;
     return options;

@@ -3,7 +3,8 @@
 //
 // The textures of a run depend on the samples that its last gradient is made of. Two gradients of
 // fresh passes at the same textures, a and b, do not: bias = E<g - a, b> / E<a, b>, the distance
-// along the gradient and relative to it.
+// along the gradient and relative to it. Of losses whose gradient has one mean for any number of
+// passes: not of Loss::kReweighted.
 #pragma once
 
 #include <span>

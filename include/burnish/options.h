@@ -95,9 +95,10 @@ enum class Loss {
     kL2,      ///< mean of (I - G)^2
     kL1,  ///< mean of |I - G|; its derivative is not affine in I: a noisy image biases the gradient
     /// relMSE as iteratively reweighted least squares: its value is relMSE, its gradient that of
-    /// the mean of (I - G)^2 / (max(J, G)^2 + 0.01) by I, where J is an image of other samples.
+    /// the mean of (I - G)^2 / (max(J, |G|)^2 + 0.01) by I, where J is an image of other samples.
     /// Pixels that are too bright do not outweigh all others. J varies with its noise, but is
-    /// independent of I: where I is G on average the gradient is zero on average.
+    /// independent of I but for a fitted exposure: where I is G on average the gradient is zero on
+    /// average.
     kReweighted,
 };
 
@@ -167,8 +168,8 @@ struct Stop {
 struct Options {
     Estimator estimator = {};
     Loss loss = Loss::kReweighted;
-    /// Above 0; shared out among the unknowns of a material. Empty: 0.005 for those whose start is
-    /// searched, 0.003 where known textures guide that search, otherwise 0.01.
+    /// Above 1e-36; shared out among the unknowns of a material. Empty: 0.005 for those whose start
+    /// is searched, 0.003 where known textures guide that search, otherwise 0.01.
     std::optional<double> learning_rate = {};
     Adam adam = {};
     Parameterization parameterization = Parameterization::kPyramid;

@@ -217,7 +217,8 @@ class Solver {
     /// midst of the optimiser's step, and the solver cannot go on.
     Iteration step();
     /// The rule of Options::stop that the last step has met, counted since this solver was made, or
-    /// in a callback of solve() since the run began; steps can go on.
+    /// in a callback of solve() since the run began; steps can go on. Of several processes all find
+    /// the same after a step that has returned.
     std::optional<Ending> ending() const;
 
     /// As it was given, but without starts that are images, and with masks that are 0 where a lens

@@ -1,7 +1,7 @@
 // The part of the image that no unknown reaches: constant under theta, gathered over the
 // iterations.
 //
-// All pixels get passes in every eighth iteration until there are sixteen such iterations. In the
+// All pixels get passes in every eighth of its iterations until there are sixteen such. In the
 // others, pixels that mix the background with unknowns get them, until they have as many as are
 // asked for: only there does its noise reach a derivative.
 #pragma once

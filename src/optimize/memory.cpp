@@ -18,12 +18,13 @@ namespace {
 constexpr double kProgram = 60e6;
 /// Embree's structure over a triangle, its copy of the vertices included.
 constexpr double kBytesPerTriangle = 100;
-/// Images of a film's size, three channels, that a view holds: the target (twice: for the result,
-/// too), the background (twice: where its exposure is fitted), the last image, in whose places
-/// the start and the result come, and maps of its pixels that together are as large as one; and
-/// that an iteration holds at once besides: one for each half, their mean and that of the
-/// backgrounds, two adjoints, a weighted adjoint, and a sum of tiles with their borders.
-constexpr double kFilmsOfView = 6, kFilmsOfVisit = 8;
+/// Two backgrounds, with counts: see make_view_state. In images of a film's size, three channels.
+constexpr double kFilmsOfBackgrounds = 8.0 / 3;
+/// Such images that a view holds: the target (twice: for the result, too), the backgrounds, the
+/// last image, in whose places the start and the result come, and maps of its pixels that together
+/// are as large as one; and that an iteration holds at once besides: one for each half, their mean,
+/// an exposed one, two adjoints, a weighted adjoint, and a sum of tiles with their borders.
+constexpr double kFilmsOfView = 4 + kFilmsOfBackgrounds, kFilmsOfVisit = 8;
 /// Arrays of a texture's size: start, truth and present; four for each level of a pyramid (a third
 /// more in all), which are the parameters and three moments; where a texture starts that is not the
 /// same everywhere, once more; the halves of the gradient, those of
@@ -285,7 +286,8 @@ MemoryEstimate estimate_memory(const Estimator& estimator, const RunViews& views
     const std::optional<KeptCache> kept = kept_cache(estimator);
     if (kept && kept->use == CacheUse::kImageAndGradient)
         estimate.textures += band_bytes(views.fitted, views.reaching, theta, seed);
-    double visit_images = 0, visit_samples = 0, replaced = 0;
+    double visit_images = 0, visit_samples = 0;
+    double replaced = 0, backgrounds = 0;  // of each view of a batch, until the iteration ends
     const auto add_view = [&](const TracedScene& view) {
         const double film = pixels_of(view.film) * sizeof(Rgbf);
         estimate.images += kFilmsOfView * film;
@@ -301,8 +303,10 @@ MemoryEstimate estimate_memory(const Estimator& estimator, const RunViews& views
         estimate.samples += samples.kept;
         visit_samples = std::max(visit_samples, samples.visit);
         replaced = std::max(replaced, samples.replaced);
+        backgrounds =
+            std::max(backgrounds, kFilmsOfBackgrounds * pixels_of(view.film) * sizeof(Rgbf));
     }
-    estimate.images += visit_images;
+    estimate.images += visit_images + static_cast<double>(visited) * backgrounds;
     estimate.samples += visit_samples + static_cast<double>(visited) * replaced;
     if (plans.empty()) return estimate;
     const ViewShare share = share_memory(estimator, plans);

@@ -24,7 +24,8 @@ struct PatienceState {
 struct ViewState {
     std::uint32_t visits = 0;  ///< so far: what an estimator counts as iterations
     EstimatorState estimator;
-    /// One; of a view whose exposure is fitted two, independent of each other.
+    /// Two, independent of each other, where an exposure is fitted or pixels are reweighed; else
+    /// one.
     std::vector<Background> backgrounds;
     ExposureFactors exposure{1, 1, 1};  ///< of the last visit, where it is fitted
 

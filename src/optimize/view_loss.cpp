@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
 #include <limits>
 #include <utility>
 
@@ -82,7 +83,7 @@ void reweigh(const Setup& setup, std::size_t view, const ExposureFactors& exposu
     const auto reweigh_chunk = [&](const Image& other, Image& adjoint, std::size_t i,
                                    std::size_t end) {
         for (; i < end; ++i) {
-            const float j = exposure[i % 3] * other.values[i], g = target.values[i];
+            const float j = exposure[i % 3] * other.values[i], g = std::fabs(target.values[i]);
             if (j > g) adjoint.values[i] *= static_cast<float>(weight(j) / weight(g));
         }
     };

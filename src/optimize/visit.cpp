@@ -52,8 +52,10 @@ Losses all_losses(const Setup& setup, std::size_t view, const ExposureFactors& e
     for (const Image& image : images)
         losses.adjoints.push_back(loss_of(setup, view, exposure, image).adjoint);
     if (is_reweighted(setup)) reweigh(setup, view, exposure, images, losses.adjoints);
-    if (has_own_derivatives(setup.options.estimator))
-        losses.adjoints = {mean_of(losses.adjoints[0], losses.adjoints[1])};
+    if (has_own_derivatives(setup.options.estimator)) {
+        losses.adjoints[0] = mean_of(losses.adjoints[0], losses.adjoints[1]);
+        losses.adjoints.pop_back();
+    }
     return losses;
 }
 
@@ -115,8 +117,8 @@ GradientEstimate differentiate(const VisitedView& v, float share, const Binding&
     Stopwatch watch;
     const std::size_t view = number_of(v);
     ViewState& own = v.state;
-    for (std::size_t h = 0; h < images.size();
-         ++h)  // each with its own background, or all with one
+    // Each with its own background, or all with one.
+    for (std::size_t h = 0; h < images.size(); ++h)
         add(own.backgrounds[h % own.backgrounds.size()].mean, images[h]);
     if (images.size() == 2)
         own.exposure = exposure_of(v.setup, view, images[0], images[1], own.exposure);

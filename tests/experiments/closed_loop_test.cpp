@@ -35,6 +35,7 @@ Products measure(const Problem& problem, double learning_rate, std::uint32_t see
     constexpr std::uint32_t kIterations = 5;
     Options options;
     options.parameterization = Parameterization::kTexels;
+    options.loss = Loss::kRelMse;
     options.learning_rate = learning_rate;
     Products runs(test::scaled(kClosedLoop, 400u));
     parallel_for(runs.size(), [&](std::size_t k) {

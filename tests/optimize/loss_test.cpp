@@ -154,8 +154,9 @@ TEST(Loss, ThoseThatClaimToBeUnbiasedAreAffineInTheImage) {
 /// In each half a pixel is weighed by the other one, exposed, where that is brighter than the
 /// target.
 TEST(Loss, ReweightedPixelsAreThoseThatAreTooBright) {
-    const burnish::Setup setup = make_setup(test::problem_of(test::small_scene_of(24)), {});
-    const Image& target = setup.problem.views[0].image;
+    burnish::Setup setup = make_setup(test::problem_of(test::small_scene_of(24)), {});
+    Image& target = setup.problem.views[0].image;
+    target.values[7] = -0.2f;  // as photographs may hold after lens corrections
     const auto noisy = [&](std::uint32_t seed) {
         return test::random_image(24, 24, 3, 0, 1, seed);
     };
@@ -166,7 +167,7 @@ TEST(Loss, ReweightedPixelsAreThoseThatAreTooBright) {
     std::size_t changed = 0;
     for (std::size_t h = 0; h < 2; ++h)
         for (std::size_t i = 0; i < target.values.size(); ++i) {
-            const double g = double{target.values[i]},
+            const double g = std::abs(double{target.values[i]}),
                          j = double{exposure[i % 3]} * double{images[1 - h].values[i]},
                          most = std::max(j, g);
             EXPECT_NEAR(double{adjoints[h].values[i]}, (g * g + 0.01) / (most * most + 0.01), 1e-6);

@@ -322,7 +322,7 @@ TEST(Setup, RangesHoldTheirBounds) {
 }
 
 TEST(Setup, RefusesRatesOfUnknownsOutOfRange) {
-    for (const double rate : {-1.0, 1e-46, 1e39, double{INFINITY}, double{NAN}})
+    for (const double rate : {-1.0, 1e-46, 1e-36, 1e39, double{INFINITY}, double{NAN}})
         expect_refused("rate", [&](Problem& p, Options&) { p.unknowns[0].learning_rate = rate; });
 }
 
