@@ -21,8 +21,10 @@ enum class Sequence {
 
 /// Detached Monte Carlo: the sum over fresh samples.
 struct MonteCarlo {
-    std::uint32_t image_samples = 32;  ///< per pixel of the image in an iteration, at least 1
-    std::uint32_t samples = 1;         ///< per pixel of the derivative in an iteration, at least 1
+    /// Per pixel of the image in an iteration, at least 1; half of them, at least 1, in each of two
+    /// images for Loss::kReweighted and for a fitted exposure.
+    std::uint32_t image_samples = 32;
+    std::uint32_t samples = 1;  ///< per pixel of the derivative in an iteration, at least 1
     /// The derivative's samples go where pixels matter most to the gradient; otherwise as many into
     /// every pixel.
     bool adaptive_sampling = true;
