@@ -41,7 +41,8 @@ class Live {
     void update(const Solver& solver);
     /// Shows what a run of solve() has found of this problem.
     void show(const Problem& problem, const Summary& summary);
-    /// Of that the pictures of the views, which are the problem's, and their images.
+    /// The same without textures: of each view its picture and its image. views: those of the
+    /// problem. Throws InputError: there are fewer than in the result.
     void show(const std::vector<View>& views, const Evaluation& result);
 
   private:

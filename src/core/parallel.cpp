@@ -69,7 +69,7 @@ void parallel_tasks(std::size_t count, std::size_t at_once,
     Thrown thrown{std::vector<std::exception_ptr>(count)};
     std::atomic<std::size_t> next{0};
     // Not a task each: a thread that waits in a loop within a task may begin another of these.
-    parallel_for(std::min(at_once, count), [&](std::size_t) {
+    parallel_for(std::min(std::max<std::size_t>(1, at_once), count), [&](std::size_t) {
         for (std::size_t i; (i = next++) < count;) thrown.call(body, i);
     });
     thrown.rethrow_first();

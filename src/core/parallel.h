@@ -19,7 +19,7 @@ void parallel_for(std::size_t count, const std::function<void(std::size_t)>& bod
 /// The same of tasks that may throw: all are called; then what the least i has thrown is thrown,
 /// the same for any number of threads.
 void parallel_tasks(std::size_t count, const std::function<void(std::size_t)>& body);
-/// The same, at most `at_once` of them at a time, above 0.
+/// The same, at most `at_once` of them at a time; 0 counts as 1. Not stopped between them.
 void parallel_tasks(std::size_t count, std::size_t at_once,
                     const std::function<void(std::size_t)>& body);
 

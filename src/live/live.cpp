@@ -6,7 +6,7 @@
 #include <chrono>
 #include <utility>
 
-#include "burnish/error.h"
+#include "core/require.h"
 #include "image/whole.h"
 #include "live/sender.h"
 #include "optimize/view_loss.h"
@@ -112,6 +112,9 @@ void Live::show(const Problem& problem, const Summary& summary) {
 }
 
 void Live::show(const std::vector<View>& views, const Evaluation& result) {
+    require(result.views.size() <= views.size(),
+            fmt::format("the result has {} views: expected at most those of the problem, {}",
+                        result.views.size(), views.size()));
     for (std::size_t v = 0; v < result.views.size(); ++v)
         impl_->show_view(views, v, result.views[v].image, result.views[v].exposure);
 }

@@ -219,6 +219,7 @@ Iteration iterate(const Setup& setup, State::Values& state, Workspace& workspace
     Iteration report;
     const std::vector<SplitGradient>* gradient = nullptr;
     try {
+        if (stop && stop()) throw Stopped{};  // a process without a share runs no loop
         const Stoppable stoppable(stop);
         before = mark_views(setup, batch, state, workspace);
         gradient = &visit_batch(setup, batch, state, workspace, report);

@@ -308,6 +308,7 @@ TEST(LiveTest, AViewerThatComesBackIsShownEverything) {
     EXPECT_TRUE(first->sees([](const Viewer& v) { return has_last(v, "run/image", 0.5f); }));
     first.reset();
     Receiver second(Receiver::Manner::kReads, taken.port);
+    std::this_thread::sleep_for(std::chrono::milliseconds(300));  // until its end has arrived
     live.show("image", make_image(4, 4, 3, 1.0f));
     EXPECT_TRUE(second.sees([](const Viewer& v) { return has_last(v, "run/image", 1.0f); }));
     EXPECT_TRUE(notes.heard().empty()) << notes.heard()[0];

@@ -51,11 +51,15 @@ def test_the_first_process_alone_hears_of_iterations(renderer, target):
     assert told == told_second == {"rendering the start", "evaluating the result"}
 
 
-@pytest.mark.parametrize("interrupted", [0, 1])
-def test_ctrl_c_in_one_process_ends_the_run_of_all_with_a_checkpoint(renderer, target, tmp_path, interrupted):
+# Of one view with `mc` the second process has no share.
+@pytest.mark.parametrize("interrupted, views, estimator", [(0, 2, "path_cache"), (1, 2, "path_cache"), (1, 1, "mc")])
+def test_ctrl_c_in_one_process_ends_the_run_of_all_with_a_checkpoint(
+    renderer, target, tmp_path, interrupted, views, estimator
+):
     def solve(ranks, folder, callback):
-        problem = burnish.Problem(renderer, [target, target], burnish.Unknown(NAME, start=0.5), ranks=ranks)
-        return burnish.solve(problem, batch=2, iterations=5000, evaluation_spp=2, checkpoints=tmp_path / folder, callback=callback)
+        problem = burnish.Problem(renderer, [target] * views, burnish.Unknown(NAME, start=0.5), ranks=ranks)
+        options = dict(estimator=estimator, batch=views, iterations=5000, evaluation_spp=2)
+        return burnish.solve(problem, checkpoints=tmp_path / folder, callback=callback, **options)
 
     def interrupt(*arguments):
         raise KeyboardInterrupt
