@@ -151,17 +151,32 @@ std::string scene_text(const NewScene& scene, const std::string& name, const Mes
                        fmt::arg("material_end", two_sided ? "</bsdf></bsdf>" : "</bsdf>"));
 }
 
-/// Whether the middle of the mesh's box lies in the picture.
-bool looks_at(const Camera& camera, const MeshCheck& check) {
+/// Whether a direction of the camera's axes lies in the field of its lens.
+bool is_in_field(const FieldLens& lens, const Vec3<double>& direction) {
+    const double aside = std::hypot(direction.x, direction.y);
+    if (!sees_by_plane(lens.lens.kind)) return std::atan2(aside, direction.z) < lens.radius;
+    return direction.z > 0 && aside / direction.z < lens.radius;
+}
+
+/// Whether the middle of the mesh's box lies in the picture. lens: the camera's.
+bool looks_at(const Camera& camera, const FieldLens& lens, const MeshCheck& check) {
     const Matrix& m = camera.camera_to_world;
     const Vec3<double> d = to_double(check.box.center()) - Vec3<double>{m[3], m[7], m[11]};
     const Vec3<double> p{m[0] * d.x + m[4] * d.y + m[8] * d.z, m[1] * d.x + m[5] * d.y + m[9] * d.z,
                          m[2] * d.x + m[6] * d.y + m[10] * d.z};
-    if (sees_by_plane(camera.lens.kind) && !(p.z > 0)) return false;
+    if (!is_in_field(lens, p)) return false;
     const Vec2<double> u = distort(camera.lens, p);
     const double x = camera.focal_x * u.x + camera.center_x,
                  y = camera.focal_y * u.y + camera.center_y;
     return x >= 0 && x <= camera.width && y >= 0 && y <= camera.height;
+}
+
+std::ptrdiff_t count_looking_at(const MeshCheck& check, const std::vector<Camera>& cameras) {
+    FieldLens lens = with_field({}, 1);  // cameras that follow each other mostly share theirs
+    return std::count_if(cameras.begin(), cameras.end(), [&](const Camera& camera) {
+        if (!(camera.lens == lens.lens)) lens = with_field(camera.lens, 1);
+        return looks_at(camera, lens, check);
+    });
 }
 
 /// Whether it lies in the mesh's box.
@@ -198,7 +213,7 @@ std::vector<std::string> complaints_of_cameras(const NewScene& scene, const Mesh
             "the first picture's focal lengths are {:.6g} and {:.6g} pixels: the scene's camera, "
             "whose pixels are square, has the first; optimize --views has both",
             scene.cameras.front().focal_x, scene.cameras.front().focal_y));
-    if (const auto n = count(looks_at); 2 * n < all)
+    if (const auto n = count_looking_at(check, scene.cameras); 2 * n < all)
         complaints.push_back(fmt::format(
             "the middle of the mesh lies in {} of {} pictures: do cameras and mesh have "
             "the same units and axes?",

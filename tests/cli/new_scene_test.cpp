@@ -665,6 +665,11 @@ TEST_F(NewSceneTest, ALensMayShowTheMeshWhereAPinholeWouldNot) {
         {R"("camera_model": "OPENCV", "k1": -0.1, "fl_x": 28, "fl_y": 28)", -5, 6, true},
         {R"("camera_model": "OPENCV", "k1": -0.1, "fl_x": 28, "fl_y": 28)", -5, -4, false},
         {R"("fl_x": 28, "fl_y": 28)", -5, 6, false},
+        // Beyond the field, where the polynomial comes back to the picture's middle.
+        {R"("camera_model": "OPENCV", "k1": -0.25, "fl_x": 28, "fl_y": 28)", -5, 4, false},
+        {R"("camera_model": "OPENCV_FISHEYE", "fl_x": 18, "fl_y": 18)", 1, -4, false},
+        {R"("camera_model": "OPENCV_FISHEYE", "k1": -0.09, "fl_x": 18, "fl_y": 18)", 0.5, -4,
+         false},
     };
     for (const Case& c : cases) {
         write_text(folder / "transforms.json", fmt::format(R"({{"w": 60, "h": 60, {},
