@@ -157,7 +157,7 @@ PictureBytes picture_bytes(const CapturedView& view, double scale) {
         return {};
     }
     const double scaled = scale * scale * pixels_of(header);
-    return {reading + kScaling * scaled, kKept * scaled};
+    return {reading + (scale < 1 ? kScaling * scaled : 0), kKept * scaled};
 }
 
 }  // namespace burnish

@@ -81,9 +81,13 @@ TEST_F(MemoryLimit, PicturesThatAreReadAtOnceFitTheLimitAtTheirFullSize) {
     write_text(folder / "capture.json", R"({"version": 1, "scene": "scene.xml", "views": [
         {"name": "a", "image": "a.png", "camera": {"sensor": 0}},
         {"name": "b", "image": "b.png", "camera": {"sensor": 0}}]})");
-    const std::string command =
-        "optimize capture.json --scale 0.01 --parameter base_color --init 0.5 --iterations 1 "
+    const std::string base =
+        "optimize capture.json --parameter base_color --init 0.5 --iterations 1 "
         "--evaluation-spp 2 --threads 2 -o out ";
+    const std::string command = base + "--scale 0.01 ";
+    const Outcome whole = run(base + "--max-memory 0.2");
+    EXPECT_EQ(whole.code, 77);
+    EXPECT_TRUE(contains(whole.err, "a.png: reading it takes up to 2")) << whole.err;
     const Outcome refused = run(command + "--max-memory 0.2");
     EXPECT_EQ(refused.code, 77);
     EXPECT_TRUE(contains(refused.err, "a.png: reading it takes up to 2")) << refused.err;
