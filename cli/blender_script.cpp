@@ -79,9 +79,10 @@ def coordinates(tree, to_uv):
 
 def image(file, color_space):
     """One for each colour space that a file is read in: Blender's image has one."""
-    path = os.path.join(folder(), file)
+    path = os.path.normpath(os.path.join(folder(), file))
     for known in bpy.data.images:
-        if bpy.path.abspath(known.filepath) == path and known.colorspace_settings.name == color_space:
+        known_path = os.path.normpath(bpy.path.abspath(known.filepath))
+        if known_path == path and known.colorspace_settings.name == color_space:
             return known
     new = bpy.data.images.load(path)
     new.colorspace_settings.name = color_space

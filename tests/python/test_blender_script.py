@@ -1,5 +1,6 @@
 """import_into_blender.py, run with a stand-in for Blender's module: which nodes it makes and links."""
 import collections
+import os
 import runpy
 import subprocess
 import sys
@@ -64,10 +65,15 @@ class Images(list):
         return self[-1]
 
 
+def absolute(path):
+    """As Blender 4 gives it of a path that saving has made relative to the .blend's folder."""
+    return os.path.join(os.path.dirname(path), "blend", "..", os.path.basename(path))
+
+
 def materials_of(script, monkeypatch, runs=1):
     """What the script makes: of each material the inputs of its Principled BSDF."""
     bpy = types.SimpleNamespace(data=types.SimpleNamespace(materials=Materials(), images=Images()),
-                                path=types.SimpleNamespace(abspath=lambda path: path),
+                                path=types.SimpleNamespace(abspath=absolute),
                                 context=types.SimpleNamespace(space_data=None, selected_objects=[]))
     monkeypatch.setitem(sys.modules, "bpy", bpy)
     for _ in range(runs):
