@@ -23,6 +23,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "burnish/error.h"
@@ -252,9 +253,11 @@ ImageFile formats::read_exr(const std::filesystem::path& file, ExrColors colors,
         require_bytes(name, header);
         const Imf::ChannelList& stored = header.channels();
         const Picture picture = pick_channels(name, stored);
-        if (content == Content::kHeader)
-            return {shape_of(name, header, picture.colors.size() + !picture.alpha.empty()),
-                    PixelEncoding::kFloat, "EXR"};
+        if (content == Content::kHeader) {
+            Image shape = shape_of(name, header, picture.colors.size());
+            shape.channels += !picture.alpha.empty();
+            return {std::move(shape), PixelEncoding::kFloat, "EXR"};
+        }
         const auto matrix = colors == ExrColors::kRec709 ? matrix_of(name, header, picture)
                                                          : std::optional<ColorMatrix>{};
         Imf::FrameBuffer buffer;

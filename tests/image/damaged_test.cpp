@@ -253,6 +253,20 @@ TEST_F(DamagedImages, HugeSizesAreRefused) {
     EXPECT_NE(error.find(" or more for 10240 x 10240 pixels"), std::string::npos) << error;
 }
 
+/// The limit is that of colours and of alpha alone, which are read apart.
+TEST_F(DamagedImages, TheHeaderOfALargeExrMayHaveAlpha) {
+    make_exr(folder / "sample.exr", smooth_image(8, 8, 4),
+             {3, false, 0, 0, false, 1, {"R", "G", "B", "A"}});
+    std::string exr = read_bytes(folder / "sample.exr");
+    const std::size_t at = exr.find(std::string("dataWindow\0box2i\0", 17)) + 17 + 4 + 8;
+    exr.replace(at, 8, std::string("\xc7\x32\0\0\xdf\x2e\0\0", 8));
+    const Image header =
+        read_image_header(write("a.exr", exr + std::string(2'000'000, '\0'))).image;
+    EXPECT_EQ(header.width, 13000);
+    EXPECT_EQ(header.height, 12000);
+    EXPECT_EQ(header.channels, 4);
+}
+
 std::uint32_t crc_of(const std::string& bytes) {
     std::uint32_t crc = 0xffffffff;
     for (const char byte : bytes) {
