@@ -139,12 +139,13 @@ AtOnce fitting(std::vector<double> each, double room, std::size_t threads) {
 std::size_t plan_pictures(const Scene& scene, RunResult& run) {
     const TickingLine line("measuring the pictures");
     const RunSettings& settings = run.settings.run;
+    std::vector<PictureBytes> pictures(run.sources.size());
+    parallel_tasks(pictures.size(), [&](std::size_t i) {
+        pictures[i] = picture_bytes(run.sources[i], settings.scale);
+    });
     std::vector<double> reading;
     double kept = 0;
-    for (const CapturedView& view : run.sources) {
-        const PictureBytes bytes = picture_bytes(view, settings.scale);
-        reading.push_back(bytes.reading), kept += bytes.kept;
-    }
+    for (const PictureBytes& bytes : pictures) reading.push_back(bytes.reading), kept += bytes.kept;
     const double limit = memory_limit(run), others = scene_memory(scene) + kept;
     const auto largest = std::ranges::max_element(reading);
     const CapturedView& view = run.sources[static_cast<std::size_t>(largest - reading.begin())];

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <atomic>
 #include <cerrno>
 #include <cstring>
@@ -39,27 +40,6 @@ Reads& reads() {
     return only;
 }
 
-std::string read_whole(const fs::path& file) {
-    const fs::file_status status = status_of(file);
-    if (!fs::exists(status))
-        throw InputError(fmt::format("{}: no such file, expected a readable file", file.string()));
-    if (!fs::is_regular_file(status))
-        throw InputError(
-            fmt::format("{}: not a regular file, expected a readable file", file.string()));
-    std::error_code error;
-    const std::uintmax_t size = fs::file_size(file, error);
-    std::ifstream stream(file, std::ios::binary);
-    if (error || !stream)
-        throw InputError(
-            fmt::format("{}: cannot be opened: {}", file.string(), std::strerror(errno)));
-    std::string bytes(static_cast<std::size_t>(size), '\0');
-    stream.read(bytes.data(), static_cast<std::streamsize>(bytes.size()));
-    if (stream.gcount() != static_cast<std::streamsize>(bytes.size()))
-        throw InputError(fmt::format("{}: byte offset {}: cannot be read, expected {} bytes",
-                                     file.string(), stream.gcount(), bytes.size()));
-    return bytes;
-}
-
 }  // namespace
 
 std::string lower_extension(const fs::path& file) { return lower_case(file.extension().string()); }
@@ -80,8 +60,29 @@ fs::path real_path(const fs::path& file) {
     return error ? absolute.lexically_normal() : real;
 }
 
+std::string read_start(const fs::path& file, std::size_t most) {
+    const fs::file_status status = status_of(file);
+    if (!fs::exists(status))
+        throw InputError(fmt::format("{}: no such file, expected a readable file", file.string()));
+    if (!fs::is_regular_file(status))
+        throw InputError(
+            fmt::format("{}: not a regular file, expected a readable file", file.string()));
+    std::error_code error;
+    const std::uintmax_t size = fs::file_size(file, error);
+    std::ifstream stream(file, std::ios::binary);
+    if (error || !stream)
+        throw InputError(
+            fmt::format("{}: cannot be opened: {}", file.string(), std::strerror(errno)));
+    std::string bytes(static_cast<std::size_t>(std::min<std::uintmax_t>(size, most)), '\0');
+    stream.read(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+    if (stream.gcount() != static_cast<std::streamsize>(bytes.size()))
+        throw InputError(fmt::format("{}: byte offset {}: cannot be read, expected {} bytes",
+                                     file.string(), stream.gcount(), bytes.size()));
+    return bytes;
+}
+
 std::string read_bytes(const fs::path& file) {
-    std::string bytes = read_whole(file);
+    std::string bytes = read_start(file, kWholeFile);
     const std::lock_guard lock(reads().mutex);
     if (reads().is_logged)
         reads().files[file.string()] = {file.string(), bytes.size(), hash_of(bytes)};
@@ -96,7 +97,7 @@ std::string read_text_bytes(const fs::path& file) {
 }
 
 Input input_of(const fs::path& file) {
-    const std::string bytes = read_whole(file);
+    const std::string bytes = read_start(file, kWholeFile);
     return {file.string(), bytes.size(), hash_of(bytes)};
 }
 

@@ -2,8 +2,10 @@
 // for, and are renamed: a file appears whole or not at all, also where the machine stops.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <limits>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -27,6 +29,9 @@ std::filesystem::path real_path(const std::filesystem::path& file);
 std::string read_bytes(const std::filesystem::path& file);
 /// Of a text, without the byte order mark that some editors put before UTF-8.
 std::string read_text_bytes(const std::filesystem::path& file);
+/// At most so many of the first bytes of such a file, which no ReadLog remembers.
+std::string read_start(const std::filesystem::path& file, std::size_t most);
+constexpr std::size_t kWholeFile = std::numeric_limits<std::size_t>::max();
 
 /// While it lives, remembers the files that read_bytes reads. At most one at a time.
 class ReadLog {

@@ -87,7 +87,8 @@ Image oriented(Image image, int orientation);
 /// 2^29 values.
 ImageFile read_image_file(const std::filesystem::path& file);
 /// What the header of such a file says: type, encoding, and an image without values, whose channels
-/// count alpha. Throws InputError as far as it looks.
+/// count alpha. Reads no more than the file's start where that holds the header; no ReadLog
+/// remembers it. Throws InputError as far as it looks.
 ImageFile read_image_header(const std::filesystem::path& file);
 
 /// write_image of burnish/image.h, whose PNG codes are linear where `srgb` is false.

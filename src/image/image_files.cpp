@@ -116,9 +116,9 @@ const char* known_format(std::string_view bytes) {
     return nullptr;
 }
 
-ImageFile read_file(const std::filesystem::path& file, formats::ExrColors colors,
-                    formats::Content content) {
-    const std::string bytes = read_bytes(file), name = file.string();
+ImageFile read_file(const std::filesystem::path& file, std::string_view bytes,
+                    formats::ExrColors colors, formats::Content content) {
+    const std::string name = file.string();
     switch (detect(bytes)) {
         case Format::kPng:
             return formats::decode_png(name, bytes, content);
@@ -147,15 +147,25 @@ ImageFile read_file(const std::filesystem::path& file, formats::ExrColors colors
 }  // namespace
 
 ImageFile read_image_file(const std::filesystem::path& file) {
-    return read_file(file, formats::ExrColors::kRec709, formats::Content::kAll);
+    return read_file(file, read_bytes(file), formats::ExrColors::kRec709, formats::Content::kAll);
 }
 
 ImageFile read_image_header(const std::filesystem::path& file) {
-    return read_file(file, formats::ExrColors::kRec709, formats::Content::kHeader);
+    // Where decoders ask whether a file is long enough for its size, that is enough for nearly all.
+    constexpr std::size_t kStart = std::size_t{1} << 20;
+    const auto read = [&](std::size_t most) {
+        return read_file(file, read_start(file, most), formats::ExrColors::kRec709,
+                         formats::Content::kHeader);
+    };
+    try {
+        return read(kStart);
+    } catch (const InputError&) {  // what comes before the header's end may be longer
+        return read(kWholeFile);
+    }
 }
 
 ImageFile read_numbers_file(const std::filesystem::path& file) {
-    return read_file(file, formats::ExrColors::kAsStored, formats::Content::kAll);
+    return read_file(file, read_bytes(file), formats::ExrColors::kAsStored, formats::Content::kAll);
 }
 
 void require_no_overscan(const ImageFile& read, const std::string& file) {

@@ -57,6 +57,8 @@ ImageFile formats::decode_pfm(const std::string& name, std::string_view bytes, C
     if (!std::isfinite(scale) || scale == 0)
         fail(name, "PFM",
              fmt::format("found the scale {}, expected a finite number other than 0", scale));
+    if (content == Content::kHeader)
+        return {Image{width, height, channels}, PixelEncoding::kFloat, "PFM"};
     const std::size_t row = static_cast<std::size_t>(width) * static_cast<std::size_t>(channels);
     const std::size_t expected = row * static_cast<std::size_t>(height) * 4;
     // The scale's line may end in CR LF; behind a CR alone, LF is the first byte of a number.
@@ -67,8 +69,6 @@ ImageFile formats::decode_pfm(const std::string& name, std::string_view bytes, C
              "byte offset " + std::to_string(bytes.size()) +
                  ": the file ends too early, expected " + std::to_string(offset + expected) +
                  " bytes");
-    if (content == Content::kHeader)
-        return {Image{width, height, channels}, PixelEncoding::kFloat, "PFM"};
     const std::endian order = scale < 0 ? std::endian::little : std::endian::big;
     ImageFile file{make_image(width, height, channels), PixelEncoding::kFloat, "PFM"};
     for (int y = 0; y < height; ++y)

@@ -321,6 +321,27 @@ TEST_F(DamagedImages, TextsOfAPngAreNotInflated) {
     EXPECT_EQ(read, read_image(write("b.png", make_png(plain))));
 }
 
+/// A run reads the headers of its pictures before them.
+TEST_F(DamagedImages, HeadersAreReadWithoutTheRestOfTheFile) {
+    for (const Sample& sample : samples()) {
+        const auto file = write("image", sample.bytes);
+        const ImageFile header = read_image_header(file);
+        std::filesystem::resize_file(file, 400'000'000);
+        const long before = peak_memory();
+        const ReadLog log;
+        EXPECT_EQ(read_image_header(file).image, header.image) << sample.name;
+        EXPECT_LT(peak_memory() - before, 100'000) << sample.name;
+        EXPECT_TRUE(log.files().empty()) << sample.name;
+    }
+}
+
+TEST_F(DamagedImages, AHeaderMayFollowMuchElse) {
+    std::string jpeg = make_jpeg(smooth_image(20, 14, 3), 3, false);
+    const std::string comment = "\xff\xfe\xff\xff" + std::string(65533, ' ');
+    for (int i = 0; i < 17; ++i) jpeg.insert(2, comment);
+    EXPECT_EQ(read_image_header(write("image", jpeg)).image.width, 20);
+}
+
 /// Each block of 8 x 8 pixels has a bit or more.
 TEST_F(DamagedImages, SizesBeyondWhatAJpegCanHoldAreRefused) {
     for (const bool progressive : {false, true}) {
