@@ -192,13 +192,14 @@ TEST(State, OfOtherOptionsIsRefusedWithTheirNames) {
                   fresh = with([](Options&o) { o.estimator = MonteCarlo{.image_window = 0}; });
     const Options both = with([](Options& o) { o.batch = 2; });
     const Options plain = with([](Options& o) { o.loss = Loss::kRelMse; });
-    struct Case {
+    struct Change {
         const char* name;
         Options before, after;
     };
     for (const auto& [name, before, after] :
-         {Case{"pyramid.weight_decay", undecayed, {}}, Case{"samples", one, two},
-          Case{"image_window", kept, fresh}, Case{"batch", {}, both}, Case{"loss", plain, {}}}) {
+         {Change{"pyramid.weight_decay", undecayed, {}}, Change{"samples", one, two},
+          Change{"image_window", kept, fresh}, Change{"batch", {}, both},
+          Change{"loss", plain, {}}}) {
         EXPECT_NE(refusal(before, after).find(name), std::string::npos) << name;
         EXPECT_EQ(refusal(before, before), "") << name;
     }
