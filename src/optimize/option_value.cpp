@@ -35,9 +35,9 @@ constexpr Choice<MergeRule> kChoices<MergeRule>[] = {{"balance", MergeRule::kBal
                                                      {"defensive", MergeRule::kDefensive}};
 template <>
 constexpr Choice<Loss> kChoices<Loss>[] = {{"relmse", Loss::kRelMse},
-                                           {"reweighted", Loss::kReweighted},
                                            {"l2", Loss::kL2},
-                                           {"l1", Loss::kL1}};
+                                           {"l1", Loss::kL1},
+                                           {"reweighted", Loss::kReweighted}};
 template <>
 constexpr Choice<Parameterization> kChoices<Parameterization>[] = {
     {"pyramid", Parameterization::kPyramid}, {"texels", Parameterization::kTexels}};

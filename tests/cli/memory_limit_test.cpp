@@ -76,8 +76,9 @@ TEST_F(MemoryLimit, TheEstimateCountsWhatViewsHaveOfTheirOwn) {
 /// They are made smaller once they are read.
 TEST_F(MemoryLimit, PicturesThatAreReadAtOnceFitTheLimitAtTheirFullSize) {
     write_scene();
-    for (const char* name : {"a.png", "b.png"})
-        write_image(folder / name, make_image(2400, 2400, 4, 0.5f));
+    Image opaque = make_image(2400, 2400, 4, 0.5f);
+    for (std::size_t i = 3; i < opaque.values.size(); i += 4) opaque.values[i] = 1;
+    for (const char* name : {"a.png", "b.png"}) write_image(folder / name, opaque);
     write_text(folder / "capture.json", R"({"version": 1, "scene": "scene.xml", "views": [
         {"name": "a", "image": "a.png", "camera": {"sensor": 0}},
         {"name": "b", "image": "b.png", "camera": {"sensor": 0}}]})");

@@ -210,7 +210,8 @@ TEST(FiltersAndLossesDesign, LatinSquareCoversEveryPair) {
             }
     }
     EXPECT_EQ(of_square, of_all);
-    EXPECT_EQ(choices<Loss>().size(), kLossCount) << "another loss needs a square of its own";
+    EXPECT_EQ(choices<Loss>().size(), kLossCount + 1) << "another loss needs a square of its own";
+    EXPECT_EQ(choices<Loss>().back().value, Loss::kReweighted) << "relMSE with other weights";
     EXPECT_EQ(choices<TargetFunction>().size(), kTargetCount);
 }
 

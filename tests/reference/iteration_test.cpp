@@ -29,6 +29,7 @@ PairOfRuns make_runs(Shift shift) {
     reservoirs.shift = shift, reservoirs.confidence_cap = 3;
     Options options;
     options.estimator = reservoirs;
+    options.loss = Loss::kRelMse;
     options.parameterization = Parameterization::kTexels;
     options.seed = kSeed;
     const Image target = problem.views[0].image;
