@@ -311,7 +311,7 @@ TEST_F(Resume, NumbersThatAreNotFiniteEndItWithACheckpoint) {
                std::string(scene).replace(scene.find("value=\"6\""), 9, "value=\"3e38\""));
     const Outcome outcome = expect_refused(
         "optimize scene.xml --parameter base_color --target target.exr --spp 2 --evaluation-spp 8 "
-        "--iterations 300 -o out",
+        "--iterations 300 --loss relmse -o out",
         65, "samples were not finite, expected at most one in 1000");
     EXPECT_TRUE(contains(outcome.err, "--resume out")) << outcome.err;
     EXPECT_EQ(iterations_of("out"), 1);
