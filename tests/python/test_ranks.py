@@ -58,7 +58,7 @@ def test_ctrl_c_in_one_process_ends_the_run_of_all_with_a_checkpoint(
 ):
     def solve(ranks, folder, callback):
         problem = burnish.Problem(renderer, [target] * views, burnish.Unknown(NAME, start=0.5), ranks=ranks)
-        options = dict(estimator=estimator, batch=views, iterations=5000, evaluation_spp=2)
+        options = dict(estimator=estimator, batch=views if views > 1 else None, iterations=5000, evaluation_spp=2)
         return burnish.solve(problem, checkpoints=tmp_path / folder, callback=callback, **options)
 
     def interrupt(*arguments):
