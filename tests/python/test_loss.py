@@ -18,14 +18,15 @@ def relative(target):
     return loss
 
 
-def solver_of(renderer, target, loss, **options):
-    return burnish.Solver(burnish.Problem(renderer, target, burnish.Unknown(NAME, 0.5), loss), iterations=5, **options)
+def solver_of(renderer, target, own, **options):
+    """own: a loss, or None: relMSE."""
+    loss = {} if own else {"loss": "relmse"}
+    return burnish.Solver(burnish.Problem(renderer, target, burnish.Unknown(NAME, 0.5), own), iterations=5, **loss, **options)
 
 
 def test_a_loss_of_ones_own_that_is_built_in_does_the_same(renderer, target):
     own = solver_of(renderer, target, relative(target))
-    problem = burnish.Problem(renderer, target, burnish.Unknown(NAME, 0.5))
-    built_in = burnish.Solver(problem, iterations=5, loss="relmse")
+    built_in = solver_of(renderer, target, None)
     for a, b in zip(own, built_in):
         assert a.loss == pytest.approx(b.loss, rel=1e-5)
     np.testing.assert_allclose(own.textures[NAME], built_in.textures[NAME], atol=2e-3)
