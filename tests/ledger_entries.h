@@ -637,8 +637,7 @@ inline constexpr LedgerEntry kReweighted{
     .name = "optimize/iteration: reweighted pixels",
     .catches =
         "pixels that are weighed by an image of the same samples: a gradient that noise moves "
-        "where "
-        "the image is the target",
+        "where the image is the target",
     .alpha = 1e-7,
     .comparisons = 4,
     .seed = 77000,

@@ -256,8 +256,7 @@ void require_state_of(const Setup& setup, const State::Values& state) {
         "the state is that of another problem or of other options: expected the same scene, "
         "views, estimator, loss, unknowns with their starts, pyramid.levels and batch; of "
         "reservoirs the same samples, adaptive_sampling and shift; pyramid.weight_decay 0 where it "
-        "was 0, and an "
-        "image_window above 0 where it was above 0");
+        "was 0, and an image_window above 0 where it was above 0");
 }
 
 }  // namespace burnish
