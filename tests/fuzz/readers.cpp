@@ -72,7 +72,14 @@ void read_ply(const fs::path& file) {
     mitsuba::read_ply_file(file, {.corner_uvs = true});
 }
 
-void read_picture(const fs::path& file) { read_photograph(file.string()); }
+/// A run reads the headers of its pictures first.
+void read_picture(const fs::path& file) {
+    try {
+        read_image_header(file);
+    } catch (const Error&) {
+    }
+    read_photograph(file.string());
+}
 void read_glb_mesh(const fs::path& file) { read_mesh(file); }
 
 constexpr Reader kReaders[] = {
