@@ -2,10 +2,12 @@
 
 #include <array>
 #include <cmath>
+#include <functional>
 #include <numbers>
 
 #include "core/random.h"
 #include "experiments/experiments.h"
+#include "experiments/interval.h"
 #include "gradient/reservoirs/merge.h"
 
 namespace burnish {
@@ -37,6 +39,8 @@ struct Spread {
     void add(double x) { sum += x, squares += x * x, ++count; }
     double mean() const { return sum / static_cast<double>(count); }
     double variance() const { return squares / static_cast<double>(count) - mean() * mean(); }
+    /// Of the mean.
+    double error() const { return std::sqrt(variance() / static_cast<double>(count)); }
 };
 
 /// Reservoirs of `candidates` uniform samples for the integrand `sign` * wave.
@@ -57,8 +61,47 @@ double estimate_of(const ReservoirPair<float>& pair, double sign) {
         pair, [&](float x) { return sign * wave(double{x}); }, 0.0);
 }
 
+/// Of the estimates of kGroups groups of trials, each with random numbers of its own.
+constexpr std::uint32_t kGroups = 20, kTrialsOfGroup = 1000;
+using Groups = std::array<Spread, kGroups>;
+
+/// estimate(trial) of each trial.
+Groups groups_of(const std::function<double(std::uint32_t trial)>& estimate) {
+    Groups groups;
+    for (std::uint32_t t = 0; t < kGroups * kTrialsOfGroup; ++t)
+        groups[t / kTrialsOfGroup].add(estimate(t));
+    return groups;
+}
+
+Spread all_of(const Groups& groups) {
+    Spread all;
+    for (const Spread& g : groups) all.sum += g.sum, all.squares += g.squares, all.count += g.count;
+    return all;
+}
+
+/// The ratio of the groups' variances to those of `other`, or to one number.
+RatioInterval variance_ratio(const Groups& groups, const Groups& other) {
+    std::array<double, kGroups> ratios;
+    for (std::size_t i = 0; i < kGroups; ++i)
+        ratios[i] = groups[i].variance() / other[i].variance();
+    return ratio_interval(ratios);
+}
+RatioInterval variance_ratio(const Groups& groups, double other) {
+    std::array<double, kGroups> ratios;
+    for (std::size_t i = 0; i < kGroups; ++i) ratios[i] = groups[i].variance() / other;
+    return ratio_interval(ratios);
+}
+
+/// (integral of |wave|)^2 - (integral of wave)^2: the variance of resampling with |q| from
+/// infinitely many candidates.
+double variance_floor() {
+    constexpr double kMean = 0.25;
+    const double absolute =
+        2 / std::numbers::pi * (std::sqrt(1 - kMean * kMean) + kMean * std::asin(kMean));
+    return absolute * absolute - kMean * kMean;
+}
+
 Figure sign_figure(const ReproduceOptions& options, ExperimentResult& result) {
-    constexpr std::uint32_t kTrials = 20000;
     Figure f;
     f.title = "An integrand of both signs";
     f.claim =
@@ -66,34 +109,42 @@ Figure sign_figure(const ReproduceOptions& options, ExperimentResult& result) {
         "one sample cannot stand for both signs; two reservoirs, one per sign, have none.";
     Plot plot{"candidates M", "variance", {{"ris: |q|", {}}, {"pris: one per sign", {}}}, true};
     Table table{{"M", "variance of ris", "variance of pris", "mean of ris", "mean of pris"}, {}};
-    std::array<double, 2> last{}, eighth{};
+    std::array<Groups, 2> at_32, at_256;
     for (int m = 1; m <= 256; m *= 2) {
         std::array<Spread, 2> spread;
-        for (std::uint32_t t = 0; t < kTrials; ++t)
-            for (const std::size_t k : {0u, 1u}) {
-                Uniforms random(options.seed + 100 + static_cast<std::uint32_t>(k), t);
-                const Signs signs = k == 0 ? Signs::kAbsolute : Signs::kPositivized;
-                spread[k].add(estimate_of(fresh(random, m, 1, signs), 1));
-            }
         for (const std::size_t k : {0u, 1u}) {
+            const Signs signs = k == 0 ? Signs::kAbsolute : Signs::kPositivized;
+            const Groups groups = groups_of([&](std::uint32_t trial) {
+                Uniforms random(options.seed + 100 + static_cast<std::uint32_t>(k), trial);
+                return estimate_of(fresh(random, m, 1, signs), 1);
+            });
+            if (m == 32) at_32[k] = groups;
+            if (m == 256) at_256[k] = groups;
+            spread[k] = all_of(groups);
             plot.curves[k].points.push_back({static_cast<double>(m), spread[k].variance()});
             result.measurements.push_back({result.name, "one dimension",
                                            fmt::format("{}, M {}", k == 0 ? "ris" : "pris", m),
                                            "variance", spread[k].variance()});
-            if (m == 32) eighth[k] = spread[k].variance();
-            last[k] = spread[k].variance();
         }
         table.rows.push_back({std::to_string(m), fmt::format("{:.4g}", spread[0].variance()),
                               fmt::format("{:.4g}", spread[1].variance()),
                               fmt::format("{:.4f}", spread[0].mean()),
                               fmt::format("{:.4f}", spread[1].mean())});
     }
+    const double floor = variance_floor();
+    const RatioInterval ris = variance_ratio(at_32[0], at_256[0]),
+                        pris = variance_ratio(at_32[1], at_256[1]),
+                        ris_of_floor = variance_ratio(at_256[0], floor),
+                        ris_over_pris = variance_ratio(at_256[0], at_256[1]);
     f.measured = fmt::format(
-        "From 32 to 256 candidates the variance of ris goes from {:.3g} to {:.3g}, that of pris "
-        "from {:.3g} to {:.3g}. The integral is 0.25.",
-        eighth[0], last[0], eighth[1], last[1]);
-    f.verdict =
-        last[0] > 0.8 * eighth[0] && last[1] < 0.5 * eighth[1] ? Verdict::kHolds : Verdict::kFails;
+        "From 32 to 256 candidates the variance of ris falls {} times and that of pris {} times; "
+        "as 1 / M it would fall 8 times. With 256 that of ris is {} times the floor of |q|, "
+        "{:.3g}, and {} times that of pris (95 % intervals over {} groups of trials). The integral "
+        "is 0.25.",
+        text_of(ris), text_of(pris), text_of(ris_of_floor), floor, text_of(ris_over_pris), kGroups);
+    const RatioInterval of_eight{ris.ratio / 8, ris.low / 8, ris.high / 8};
+    f.verdict = verdict_of_parts(verdict_below_one(of_eight),
+                                 verdict_below_one(variance_ratio(at_256[1], at_256[0])));
     f.tables.push_back(table);
     f.plots.push_back(plot);
     return f;
@@ -137,34 +188,36 @@ double flipping(std::uint32_t seed, std::uint32_t trial, FlipRule rule) {
 }
 
 Figure flip_figure(const ReproduceOptions& options, ExperimentResult& result) {
-    constexpr std::uint32_t kTrials = 20000;
     Figure f;
     f.title = "A target that flips between iterations";
     f.claim =
         "A sample of the positive reservoir may be a sample of the negative one in the next "
         "iteration: samples of both must be offered to both, or they are lost.";
     Table table{{"history", "mean (0.25 is right)", "standard error", "variance"}, {}};
-    std::array<Spread, 4> spread;
+    std::array<Groups, 4> groups;
     for (std::size_t k = 0; k < 4; ++k) {
-        for (std::uint32_t t = 0; t < kTrials; ++t)
-            spread[k].add(flipping(options.seed + 200, t, static_cast<FlipRule>(k)));
-        table.rows.push_back({kFlipNames[k], fmt::format("{:.4f}", spread[k].mean()),
-                              fmt::format("{:.4f}", std::sqrt(spread[k].variance() / kTrials)),
-                              fmt::format("{:.4g}", spread[k].variance())});
+        groups[k] = groups_of([&](std::uint32_t trial) {
+            return flipping(options.seed + 200, trial, static_cast<FlipRule>(k));
+        });
+        const Spread spread = all_of(groups[k]);
+        table.rows.push_back({kFlipNames[k], fmt::format("{:.4f}", spread.mean()),
+                              fmt::format("{:.4f}", spread.error()),
+                              fmt::format("{:.4g}", spread.variance())});
         result.measurements.push_back(
-            {result.name, "one dimension", kFlipNames[k], "mean", spread[k].mean()});
+            {result.name, "one dimension", kFlipNames[k], "mean", spread.mean()});
         result.measurements.push_back(
-            {result.name, "one dimension", kFlipNames[k], "variance", spread[k].variance()});
+            {result.name, "one dimension", kFlipNames[k], "variance", spread.variance()});
     }
+    const Spread dropped = all_of(groups[2]), both = all_of(groups[3]);
     f.measured = fmt::format(
-        "With both feeding both the mean is {:.4f} and the variance {:.1f} times lower than "
-        "without a history; dropping what flipped gives {:.4f}.",
-        spread[3].mean(), spread[0].variance() / spread[3].variance(), spread[2].mean());
-    const double error = std::sqrt(spread[3].variance() / kTrials);
-    const bool unbiased = std::fabs(spread[3].mean() - 0.25) < 5 * error;
-    f.verdict = unbiased && spread[3].variance() < spread[0].variance() &&
-                        std::fabs(spread[2].mean() - 0.25) > 0.02
-                    ? Verdict::kHolds
+        "With both feeding both the mean is {:.4f} and the variance {} times below that without a "
+        "history (95 % interval over {} groups of trials); dropping what flipped gives {:.4f}.",
+        both.mean(), text_of(variance_ratio(groups[0], groups[3])), kGroups, dropped.mean());
+    const auto is_right = [](const Spread& s) {
+        return std::fabs(s.mean() - 0.25) < 5 * s.error();
+    };
+    f.verdict = is_right(both) && !is_right(dropped)
+                    ? verdict_below_one(variance_ratio(groups[3], groups[0]))
                     : Verdict::kFails;
     f.tables.push_back(table);
     return f;
