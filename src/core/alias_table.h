@@ -23,29 +23,26 @@ struct AliasTable {
 /// Weights must be finite and not negative. All zero: every index equally often. Deterministic.
 AliasTable make_alias_table(std::span<const double> weights);
 
-/// U: float, or double where a float's 24 random bits are too few.
-template <class U>
 struct AliasSample {
     std::uint32_t index;
-    U remainder;  ///< what is left of u: uniform in [0, 1), independent of the index
+    double remainder;  ///< what is left of u: uniform in [0, 1), independent of the index
 };
 
 /// The column that u falls into.
-template <class U>
-std::uint32_t alias_column(const AliasTable& table, U u) {
-    const auto i = static_cast<std::uint32_t>(u * static_cast<U>(table.columns.size()));
+inline std::uint32_t alias_column(const AliasTable& table, double u) {
+    const auto i = static_cast<std::uint32_t>(u * static_cast<double>(table.columns.size()));
     return std::min(i, static_cast<std::uint32_t>(table.columns.size()) - 1);
 }
 
-template <class U>
-AliasSample<U> sample_alias_table(const AliasTable& table, U u) {
+/// u: uniform in [0, 1); of many columns with more random bits than a float has: fine_uniform.
+inline AliasSample sample_alias_table(const AliasTable& table, double u) {
     const std::uint32_t i = alias_column(table, u);
-    const U within = u * static_cast<U>(table.columns.size()) - static_cast<U>(i);
+    const double within = u * static_cast<double>(table.columns.size()) - i;
     const AliasTable::Column& c = table.columns[i];
-    constexpr U kBelowOne = 1 - std::numeric_limits<U>::epsilon() / 2;
-    const auto keep = static_cast<U>(c.keep);
+    constexpr double kBelowOne = 1 - std::numeric_limits<double>::epsilon() / 2;
+    const auto keep = static_cast<double>(c.keep);
     const bool keeps = within < keep;
-    const U remainder = keeps ? within / keep : (within - keep) / (1 - keep);
+    const double remainder = keeps ? within / keep : (within - keep) / (1 - keep);
     // Without a branch, which would be guessed wrong as often as not.
     const std::uint32_t index = i ^ ((i ^ c.alias) & -static_cast<std::uint32_t>(!keeps));
     return {index, remainder < kBelowOne ? remainder : kBelowOne};

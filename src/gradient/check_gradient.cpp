@@ -60,6 +60,7 @@ struct Difference {
     /// 0, up to rounding, unless a sample takes another path within the steps, or a pixel's slope
     /// changes.
     double jump = 0;
+    double rounding = 0;  ///< of the slope at most, in its unit: images are floats
 };
 
 Difference difference(const TracedScene& view, const Theta& theta, std::size_t slot,
@@ -79,7 +80,7 @@ Difference difference(const TracedScene& view, const Theta& theta, std::size_t s
         rounding += kRounding * std::abs(weight * double{up.values[i]});
     }
     const double unit = 12 * double{kCheckStep};
-    return {slope / unit, jump > rounding ? jump / unit : 0};
+    return {slope / unit, jump > rounding ? jump / unit : 0, rounding / unit};
 }
 
 CheckedMean mean_of(const std::vector<double>& values) {
@@ -102,12 +103,13 @@ bool is_told(const std::vector<double>& jumps, const GradientCheck& check) {
                jumps, [&](double jump) { return jump > kLeast * size_of(check); }) >= kCheckDrawn;
 }
 
-Agreement agreement_of(const GradientCheck& check) {
+/// rounding: of the difference at most.
+Agreement agreement_of(const GradientCheck& check, double rounding) {
     const double error = std::max(check.estimate.standard_error, check.difference.standard_error);
     const double size = size_of(check);
     if (size == 0 && error == 0) return Agreement::kNothing;
     const double gap = std::abs(check.estimate.mean - check.difference.mean);
-    if (std::abs(check.t) > kCheckThreshold && gap > kCheckRounding * size)
+    if (std::abs(check.t) > kCheckThreshold && gap > std::max(kCheckRounding * size, rounding))
         return Agreement::kDisagree;
     return 4 * error > size ? Agreement::kTooNoisy : Agreement::kAgree;
 }
@@ -115,6 +117,7 @@ Agreement agreement_of(const GradientCheck& check) {
 /// Of one direction of one texture, by batches.
 struct Batches {
     std::vector<double> estimates, differences, jumps;
+    double rounding = 0;  ///< of a difference at most
 };
 
 /// How a texture's values decide which paths samples take.
@@ -143,8 +146,8 @@ GradientCheck check_of(const Batches& batches, Draws draws) {
     const CheckedMean gap = mean_of(gaps);
     GradientCheck check;
     check.estimate = mean_of(batches.estimates), check.difference = mean_of(batches.differences);
-    check.t = gap.standard_error > 0 ? gap.mean / gap.standard_error : 0;
-    check.agreement = agreement_of(check);
+    check.t = gap.mean == 0 ? 0 : gap.mean / gap.standard_error;  // infinite where nothing is noisy
+    check.agreement = agreement_of(check, batches.rounding);
     if (asks_for_jumps(check, draws, batches.jumps) && !is_told(batches.jumps, check))
         check.agreement = Agreement::kTooNoisy;
     return check;
@@ -186,6 +189,7 @@ std::vector<GradientCheck> check_gradient(const CheckGradientOptions& options,
                     difference(view, theta, slot, along, {seed, Stream::kEvaluation}, passes);
                 batches[slot][d].differences.push_back(images.slope);
                 batches[slot][d].jumps.push_back(images.jump);
+                batches[slot][d].rounding = std::max(batches[slot][d].rounding, images.rounding);
                 if (report) report(++done / all);
             }
         }

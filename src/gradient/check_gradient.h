@@ -43,14 +43,15 @@ struct GradientCheck {
     std::size_t slot = 0;   ///< index into theta.textures
     std::string direction;  ///< in words
     CheckedMean estimate, difference;
-    double t = 0;  ///< their difference over its standard error
+    double t = 0;  ///< their difference over its standard error; infinite where that is 0
     Agreement agreement = Agreement::kTooNoisy;
 };
 
 /// |t| above this is a disagreement: of a right derivative one time in 10,000 (Student's t with
 /// kCheckBatches - 1 degrees of freedom), where samples take other paths in few more than
 /// kCheckDrawn batches up to one time in 900; unless they differ by less than kCheckRounding of the
-/// larger one: images are floats, and where nothing is noisy the errors of both are rounding.
+/// larger one, or than the rounding of the images: these are floats, and where nothing is noisy the
+/// errors of both are rounding.
 inline constexpr double kCheckThreshold = 4.44, kCheckRounding = 1e-4;
 
 /// In so many batches samples must take other paths within the steps, where the texture, or Russian

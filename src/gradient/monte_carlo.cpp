@@ -6,13 +6,16 @@ namespace burnish {
 
 namespace {
 
-/// The sum over all candidates of a texel, each for its share.
+/// The sum over all candidates of a texel, each for its share: of a texel that fills the picture,
+/// millions.
 std::vector<TexelGradient> sum_by_texel(const Candidates& candidates) {
     const std::vector<Candidate>& items = candidates.items;
     return by_texel<TexelGradient>(items, [&](std::size_t i, std::size_t end, auto& sums) {
-        TexelGradient sum{items[i].d.key, {}};
-        for (; i < end; ++i) sum.g += items[i].d.g * candidates.traced.paths[items[i].path].share;
-        sums.push_back(sum);
+        const TexelKey key = items[i].d.key;
+        Rgb<double> sum;
+        for (; i < end; ++i)
+            sum += to_double(items[i].d.g) * double{candidates.traced.paths[items[i].path].share};
+        sums.push_back({key, to_float(sum)});
     });
 }
 

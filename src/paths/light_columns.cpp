@@ -4,6 +4,7 @@
 #include <span>
 
 #include "core/constants.h"
+#include "core/random.h"
 
 namespace burnish {
 
@@ -92,10 +93,11 @@ void choose_only(const Lights& lights, std::uint32_t only, const std::array<Colu
         return;
     }
     chosen.mesh = wanted;
+    const auto of_triangle = [&](std::size_t i) { return fine_uniform(u[1][i], u[0][i]); };
     for (const std::size_t i : lanes)
-        __builtin_prefetch(&light.by_area.columns[alias_column(light.by_area, u[1][i])]);
+        __builtin_prefetch(&light.by_area.columns[alias_column(light.by_area, of_triangle(i))]);
     for (const std::size_t i : lanes) {
-        const std::uint32_t triangle = sample_alias_table(light.by_area, u[1][i]).index;
+        const std::uint32_t triangle = sample_alias_table(light.by_area, of_triangle(i)).index;
         chosen.triangle[i] = &light.triangles[triangle];
         prefetch(light.triangles[triangle]);
         chosen.area[i] = light.area;

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "core/random.h"
+
 namespace burnish {
 
 namespace {
@@ -83,9 +85,9 @@ SelectedEmitter select_uniformly(std::uint32_t emitters, float u) {
 
 /// 36 random bits: the 24 of one number cannot reach every emitter of many. The others are the last
 /// 12 of u[3], whose first 12 say where on an emitter.
-double fine_uniform(const std::array<float, 4>& u) {
+double selection_uniform(const std::array<float, 4>& u) {
     const float scaled = u[3] * 0x1p12f;
-    return static_cast<double>(u[0]) + 0x1p-24 * static_cast<double>(scaled - std::floor(scaled));
+    return fine_uniform(u[0], scaled - std::floor(scaled));
 }
 
 bool has_tree(const LightSelector& s) { return !s.tree.splits.empty(); }
@@ -164,7 +166,7 @@ void set_tree(const EmitterSummary& emitters, LightSelector& s) {
 
 SelectedEmitter select_by_power(const LightSelector& s, const std::array<float, 4>& u,
                                 std::uint32_t candidate) {
-    const double part = candidate + fine_uniform(u);
+    const double part = candidate + selection_uniform(u);
     const auto drawn = sample_alias_table(s.by_power, part / candidates_of(s));
     return {drawn.index, s.inverse_probability[drawn.index],
             std::min(static_cast<float>(drawn.remainder), 0x1.fffffep-1f)};
@@ -181,7 +183,7 @@ std::array<SelectedEmitter, kLanes> select_by_tree(const LightSelector& s,
     LightWalks walks;
     for (int lane = 0; lane < kLanes; ++lane) {
         const auto k = static_cast<std::size_t>(lane);
-        const LightWalk walk = begin_walk(s, get(share, lane), fine_uniform(lane_of(u, lane)));
+        const LightWalk walk = begin_walk(s, get(share, lane), selection_uniform(lane_of(u, lane)));
         walks.u[k] = walk.u, walks.next[k] = walk.next;
         walks.begin[k] = walk.interval.begin, walks.width[k] = walk.interval.width;
     }
@@ -222,7 +224,7 @@ SelectedEmitter select_emitter(const LightSelector& s, const Vec3f& position,
         case LightSelection::kPower:
             return select_by_power(s, u, candidate);
         case LightSelection::kTree:
-            return select_by_tree(s, position, fine_uniform(u));
+            return select_by_tree(s, position, selection_uniform(u));
         case LightSelection::kResampled:
             if (has_candidate_of_each(s)) return {candidate, 1, u[0]};
             return select_by_power(s, u, candidate);

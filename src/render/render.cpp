@@ -64,9 +64,10 @@ TileSum render_tile(const TraceInput& input, TraceBatch trace_batch, const Tile&
         return {};
     }
     TileSum sum;
-    sum.values.resize(3 *
-                      static_cast<std::size_t>((tile.width + 2 * halo) * (tile.height + 2 * halo)));
-    std::vector<float> scratch;
+    const auto floats =
+        3 * static_cast<std::size_t>((tile.width + 2 * halo) * (tile.height + 2 * halo));
+    std::vector<double> total(floats);  // of groups: there may be thousands of them
+    std::vector<float> of_group, scratch;
     std::vector<std::vector<Rgbf>> radiance(
         std::min(kGroup, passes.count),
         std::vector<Rgbf>(static_cast<std::size_t>(tile.width * tile.height)));
@@ -74,10 +75,13 @@ TileSum render_tile(const TraceInput& input, TraceBatch trace_batch, const Tile&
         const std::uint32_t count = std::min(kGroup, passes.count - p);
         const Passes group{passes.iteration, passes.first + p, count, passes.only};
         sum.rejected += trace_group(input, trace_batch, tile, pixels, group, radiance);
+        of_group.assign(floats, 0.0f);
         for (std::uint32_t k = 0; k < count; ++k)
-            splat_pass(tile, taps[p + k], &radiance[k][0].x, scratch, sum.values.data());
+            splat_pass(tile, taps[p + k], &radiance[k][0].x, scratch, of_group.data());
+        for (std::size_t i = 0; i < floats; ++i) total[i] += static_cast<double>(of_group[i]);
         after_group(count);
     }
+    sum.values.assign(total.begin(), total.end());
     return sum;
 }
 

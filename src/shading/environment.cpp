@@ -4,6 +4,7 @@
 #include <numbers>
 
 #include "core/angle.h"
+#include "core/random.h"
 
 namespace burnish {
 namespace {
@@ -116,16 +117,14 @@ double mean_luminance(const Image& image, int column, int row) {
     return std::isfinite(sum) ? std::max(0.25 * sum, 0.0) : 0.0;
 }
 
-/// Where two uniforms fall among the columns of a table. 48 random bits: 24 cannot reach every cell
-/// of a large map.
+/// Where two uniforms fall among the columns of a table.
 struct DrawnColumn {
     double scaled;
     std::size_t index;
 };
 DrawnColumn draw_column(const AliasTable& cells, float u0, float u1) {
     const auto n = cells.columns.size();
-    const double scaled =
-        (static_cast<double>(u0) + 0x1p-24 * static_cast<double>(u1)) * static_cast<double>(n);
+    const double scaled = fine_uniform(u0, u1) * static_cast<double>(n);
     return {scaled, std::min(static_cast<std::size_t>(scaled), n - 1)};
 }
 

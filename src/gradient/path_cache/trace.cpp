@@ -56,8 +56,8 @@ std::size_t bytes_per_pass(const Binding& binding, CacheUse use, const std::vect
             each = std::max(each,
                             bounces ? bytes_per_vertex(shaders[i]) : bytes_per_record(shaders[i]));
     const double of_pixel = bounces ? expected_vertices(binding, seen) : kTechniques;
-    const auto unknown =
-        static_cast<std::size_t>(std::ranges::count(binding.unknown_bsdfs, char{1}));
+    const auto unknown = binding.unknown_bsdfs.size() - static_cast<std::size_t>(std::ranges::count(
+                                                            binding.unknown_bsdfs, kNoUnknown));
     std::size_t bytes = 0;
     for (const CacheTile& t : make_cache_tiles(binding.film(), seen)) {
         const auto records =

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/random.h"
 #include "gradient/reservoirs/merge.h"
 #include "gradient/reservoirs/shift.h"
 #include "gradient/texel_ranges.h"
@@ -44,8 +45,11 @@ ReservoirPair<std::uint32_t> fold_texel(const Candidates& candidates, std::size_
         const Candidate& c = candidates.items[i];
         auto& slot = builder.slot[slot_of(iteration.signs(), c.d.q)];
         // The first candidate is kept in any case: no random number is needed for it.
-        const float u =
-            slot.weight_sum > 0 ? decide(iteration, key, k, Decision::kCandidate)[0] : 0;
+        double u = 0;
+        if (slot.weight_sum > 0) {
+            const auto drawn = decide(iteration, key, k, Decision::kCandidate);
+            u = fine_uniform(drawn[0], drawn[1]);
+        }
         update(slot, static_cast<std::uint32_t>(i), c.d.q,
                std::fabs(double{c.d.q}) * double{candidates.traced.paths[c.path].share}, u);
     }
