@@ -5,7 +5,8 @@
 // e = sum of w G (A + B) / 2 / sum of w A B, and its noise alone, over all pixels, is left.
 //
 // At this e the loss does not change with e to first order, so the gradient by the textures is the
-// one at a constant e.
+// one at a constant e. Under Loss::kReweighted the gradient is not that of the loss: textures are
+// stepped at the e at which its own sum, of (e A - G) w(e B, G) B and of A and B exchanged, is 0.
 #pragma once
 
 #include "burnish/options.h"
@@ -34,5 +35,9 @@ struct WeightedPicture {
 /// picture without light.
 ExposureFactors fit_exposure(const FitExposure& how, Loss loss, const ImageHalves& halves,
                              const WeightedPicture& picture, const ExposureFactors& last);
+/// Where the gradient of Loss::kReweighted does not change with the exposure.
+ExposureFactors fit_reweighted_exposure(const FitExposure& how, const ImageHalves& halves,
+                                        const WeightedPicture& picture,
+                                        const ExposureFactors& last);
 
 }  // namespace burnish

@@ -1,5 +1,6 @@
 #include "optimize/loss.h"
 
+#include <algorithm>
 #include <cmath>
 #include <numeric>
 
@@ -71,6 +72,10 @@ double square_weight(Loss loss, double g) {
             return 0;
     }
     return 0;
+}
+
+double reweighted_weight(double j, double g) {
+    return square_weight(Loss::kReweighted, std::max(j, std::fabs(g)));
 }
 
 bool is_unbiased(Loss loss) {

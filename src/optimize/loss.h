@@ -11,6 +11,9 @@ bool is_unbiased(Loss loss);
 /// What multiplies (I - G)^2, where the loss is a sum of squares; 0: it is not.
 double square_weight(Loss loss, double g);
 
+/// What Loss::kReweighted multiplies (I - G)^2 with: j is the image of the derivatives.
+double reweighted_weight(double j, double g);
+
 /// The weight of a channel of a pixel. mask: [height, width, 1 or 3]; empty (width 0): all ones.
 inline double mask_at(const Image& mask, int x, int y, int c) {
     return mask.width == 0 ? 1.0 : double{mask.at(x, y, mask.channels == 3 ? c : 0)};

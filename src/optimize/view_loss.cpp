@@ -49,6 +49,14 @@ ExposureFactors exposure_of(const Setup& setup, std::size_t view, const Image& a
                         {v.image, v.mask}, last);
 }
 
+ExposureFactors stepped_exposure_of(const Setup& setup, std::size_t view, const Image& a,
+                                    const Image& b, const ExposureFactors& last) {
+    const View& v = setup.problem.views[view];
+    const auto* how = std::get_if<FitExposure>(&v.exposure);
+    if (!how || !is_reweighted(setup)) return exposure_of(setup, view, a, b, last);
+    return fit_reweighted_exposure(*how, {a, b}, {v.image, v.mask}, last);
+}
+
 LossValue loss_of(const Setup& setup, std::size_t view, const ExposureFactors& exposure,
                   const Image& image) {
     const View& v = setup.problem.views[view];
@@ -79,12 +87,14 @@ bool is_reweighted(const Setup& setup) {
 void reweigh(const Setup& setup, std::size_t view, const ExposureFactors& exposure,
              const std::vector<Image>& images, std::vector<Image>& adjoints) {
     const Image& target = setup.problem.views[view].image;
-    const auto weight = [](float v) { return square_weight(Loss::kReweighted, double{v}); };
     const auto reweigh_chunk = [&](const Image& other, Image& adjoint, std::size_t i,
                                    std::size_t end) {
         for (; i < end; ++i) {
-            const float j = exposure[i % 3] * other.values[i], g = std::fabs(target.values[i]);
-            if (j > g) adjoint.values[i] *= static_cast<float>(weight(j) / weight(g));
+            const double j = double{exposure[i % 3] * other.values[i]},
+                         g = double{target.values[i]};
+            if (j > std::fabs(g))
+                adjoint.values[i] *= static_cast<float>(reweighted_weight(j, g) /
+                                                        square_weight(Loss::kReweighted, g));
         }
     };
     parallel_chunks(target.values.size(), kParallelFloats, [&](std::size_t i, std::size_t end) {

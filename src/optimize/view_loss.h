@@ -14,6 +14,10 @@ Image exposed(const ExposureFactors& exposure, Image image);
 ExposureFactors exposure_of(const Setup& setup, std::size_t view, const Image& a, const Image& b,
                             const ExposureFactors& last = {1, 1, 1});
 
+/// The same where textures are stepped: under Loss::kReweighted by the weights of its gradient.
+ExposureFactors stepped_exposure_of(const Setup& setup, std::size_t view, const Image& a,
+                                    const Image& b, const ExposureFactors& last);
+
 /// The loss of a view's image with its adjoint, and alone. The image is that before the exposure,
 /// and so is the adjoint.
 LossValue loss_of(const Setup& setup, std::size_t view, const ExposureFactors& exposure,

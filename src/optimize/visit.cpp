@@ -121,7 +121,7 @@ GradientEstimate differentiate(const VisitedView& v, float share, const Binding&
     for (std::size_t h = 0; h < images.size(); ++h)
         add(own.backgrounds[h % own.backgrounds.size()].mean, images[h]);
     if (images.size() == 2)
-        own.exposure = exposure_of(v.setup, view, images[0], images[1], own.exposure);
+        own.exposure = stepped_exposure_of(v.setup, view, images[0], images[1], own.exposure);
     Losses losses = find_losses(v.setup, view, own.exposure, images);
     report.loss = double{share} * losses.value;
     // Of the processes that share the view one tells of it.

@@ -120,6 +120,58 @@ TEST(Exposure, NoiseOfTheImageDoesNotMoveIt) {
     }
 }
 
+/// A setup whose only view is a noisy picture about one and a half times as bright as an image; and
+/// that image with half of its light in noise, twice.
+struct NoisyHalves {
+    Setup setup = make_setup(test::problem_of(test::small_scene_of(64)), {});
+    Image image = test::random_image(64, 64, 3, 0.1f, 1, 5), a = image, b = image;
+
+    explicit NoisyHalves(const FitExposure& how) {
+        View& view = setup.problem.views[0];
+        view.exposure = how;
+        view.image = image;
+        test::RandomSource random{6};
+        for (std::size_t i = 0; i < image.values.size(); ++i) {
+            view.image.values[i] *= random.next(0.75f, 2.25f);
+            a.values[i] *= random.next() < 0.5f ? 0.5f : 1.5f;
+            b.values[i] *= random.next() < 0.5f ? 0.5f : 1.5f;
+        }
+    }
+};
+
+/// The slope of the loss of reweighted pixels in the exposure, over the sum of its pixels' sizes.
+double exposure_slope(const NoisyHalves& n, const ExposureFactors& e) {
+    const std::vector<Image> images{n.a, n.b};
+    std::vector<Image> adjoints{loss_of(n.setup, 0, e, n.a).adjoint,
+                                loss_of(n.setup, 0, e, n.b).adjoint};
+    reweigh(n.setup, 0, e, images, adjoints);
+    double sum = 0, size = 0;
+    for (std::size_t h = 0; h < 2; ++h)
+        for (std::size_t i = 0; i < n.image.values.size(); ++i) {
+            const double d = double{adjoints[h].values[i]} * double{images[1 - h].values[i]};
+            sum += d, size += std::abs(d);
+        }
+    return std::abs(sum / size);
+}
+
+/// The seeded defect is the exposure of the least loss, whose weights know nothing of the image.
+TEST(Exposure, OfReweightedPixelsIsWhereTheirGradientDoesNotChange) {
+    for (const bool by_channel : {false, true}) {
+        const NoisyHalves n({by_channel});
+        for (const float last : {0.01f, 1.0f, 100.0f}) {
+            const ExposureFactors e = stepped_exposure_of(n.setup, 0, n.a, n.b, {last, last, last});
+            EXPECT_LT(exposure_slope(n, e), 1e-3) << last;
+            EXPECT_NEAR(e[1], 1.5f, 0.3f) << last;
+        }
+        const ExposureFactors of_loss = exposure_of(n.setup, 0, n.a, n.b);
+        EXPECT_GT(exposure_slope(n, of_loss), 1e-2);
+        NoisyHalves dark({by_channel});
+        dark.a = dark.b = make_image(64, 64, 3);
+        EXPECT_EQ(stepped_exposure_of(dark.setup, 0, dark.a, dark.b, {2, 3, 4}),
+                  (ExposureFactors{2, 3, 4}));
+    }
+}
+
 TEST(Exposure, StaysWhereThereIsNoLight) {
     const Image dark = make_image(4, 4, 3), gray = make_image(4, 4, 3, 0.5f);
     const Image no_weight = make_image(4, 4, 1);
