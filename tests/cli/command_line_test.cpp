@@ -350,6 +350,13 @@ TEST_F(CommandLine, CheckGradientFindsADerivativeThatLacks) {
         const auto checks = check_gradient({}, prepare(loaded.scene), theta);
         EXPECT_EQ(checks.front().agreement, Agreement::kDisagree) << max_depth;
     }
+    loaded.scene.film.filter = {FilterKind::kBox, 0.5f};  // nothing is noisy
+    for (int i = 1; i <= 20; ++i) {
+        const float radiance = 0.1f * static_cast<float>(i);
+        loaded.scene.emitters = {ConstantEmitter{{radiance, radiance, radiance}}};
+        const auto checks = check_gradient({}, prepare(loaded.scene), theta);
+        EXPECT_EQ(checks.front().agreement, Agreement::kDisagree) << radiance;
+    }
     write_image(folder / "ones.exr", make_image(16, 16, 3, 1.0f));
     for (const char* command : {"check-gradient ", "gradient --adjoint ones.exr -o g.exr "})
         expect_refused(command + std::string("mirror.xml --parameter mat.specular_reflectance"), 65,

@@ -68,6 +68,36 @@ TEST(MeanGradient, IsThatOfTheEstimatesAtTheGivenTextures) {
     EXPECT_NE(there[0], own[0]);
 }
 
+/// A grey plane under parallel light: nothing is noisy, and each pixel is the reflectance times its
+/// derivative. A sum of floats would be wrong by 0.3 %.
+TEST(MeanGradient, AddsUpAMillionSamplesOfOneTexel) {
+    constexpr int kSide = 512;
+    Scene scene;
+    scene.film = {kSide, kSide, 0, 0, kSide, kSide, {FilterKind::kBox, 0.5f}};
+    scene.camera.to_world = look_at({0, 0, 2}, {0, 0, 0}, {0, 1, 0});
+    scene.camera.fov_x = 40;
+    scene.textures = {test::make_bitmap(1, 3, TextureFilter::kNearest, 0.5f, 0.5f, 1)};
+    Diffuse diffuse;
+    diffuse.reflectance.texture = {0};
+    scene.bsdfs = {diffuse};
+    scene.materials = {{"plane", {0}, {}}};
+    scene.parameters = {{"plane.reflectance.data", {0}}};
+    scene.shapes = {{"plane", test::make_quad({-2, -2, 0}, {4, 0, 0}, {0, 4, 0}), {0}, {}}};
+    DirectionalEmitter sun;
+    sun.direction = {0.6f, 0, -0.8f};
+    sun.irradiance = {2, 3, 1};
+    scene.emitters = {sun};
+    const Renderer renderer = make_renderer(scene);
+    const Image gradient = estimate_gradient(renderer, {"plane.reflectance.data"},
+                                             make_image(kSide, kSide, 3, 1.0f), {.samples = 4})[0];
+    const Image image = renderer.render(1, 0);
+    for (std::size_t c = 0; c < 3; ++c) {
+        double sum = 0;
+        for (std::size_t i = c; i < image.values.size(); i += 3) sum += double{image.values[i]};
+        EXPECT_NEAR(double{gradient.values[c]} * 0.5 / sum, 1, 1e-5);
+    }
+}
+
 TEST(MeanGradient, ReservoirsHaveNoHistory) {
     const Strips strips;
     const Theta theta = test::theta_of(strips.renderer.data().scene());

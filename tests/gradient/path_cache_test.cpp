@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include "gradient/blends.h"
 #include "gradient/differentiate.h"
 #include "gradient/estimator.h"
 #include "gradient/estimators.h"
@@ -360,6 +361,26 @@ TEST(PathCache, APlanCountsWhatSparsePixelsTake) {
     const std::size_t taken = size_of(state, workspace).bytes;
     EXPECT_LE(taken, 2 * kOfHalf * planned.bytes_per_pass);
     EXPECT_GT(taken, 2 * kOfHalf * 4 * planned.pixels * bytes_per_record(binding.shaders[0]));
+}
+
+/// Parts whose weights alone are unknown have lists of records, too.
+TEST(PathCache, APlanCountsPartsOfBlends) {
+    for (const int side : {2, 4}) {
+        Scene scene = test::make_small_scene_of_blends();
+        scene.film = {side, side, 0, 0, side, side, {FilterKind::kBox, 0.5f}};
+        const Theta all = test::theta_of(scene);
+        const Theta weights{{all.textures[2], all.textures[3]}};
+        const TracedScene traced = prepare(scene);
+        const Binding binding(traced, weights);
+        const std::vector<char> reaching = reaching_pixels(binding);
+        const PathCachePlan planned = plan({}, binding, CacheUse::kImageAndGradient, reaching);
+        PathCacheWorkspace workspace =
+            make_workspace({}, binding, reaching, CacheUse::kImageAndGradient, kAllBands);
+        PathCacheState state;
+        trace_passes({binding, 5}, 3, workspace, state);
+        shade({binding, 5}, state, workspace);
+        EXPECT_LE(size_of(state, workspace).bytes, 2 * 3 * planned.bytes_per_pass) << side;
+    }
 }
 
 /// An estimator that keeps the samples of its image has the image of a path cache, and derivatives

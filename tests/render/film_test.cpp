@@ -72,6 +72,20 @@ TEST(Film, AdjointWeightIsTheTransposeOfReconstruction) {
     }
 }
 
+/// A sum of floats over so many passes would be wrong by 1e-4.
+TEST(Film, AddsUpThousandsOfPasses) {
+    Scene scene;
+    scene.film = {2, 2, 0, 0, 2, 2, {FilterKind::kBox, 0.5f}};
+    scene.emitters = {ConstantEmitter{{0.3f, 0.7f, 1.9f}}};
+    const TracedScene traced = prepare(scene);
+    const TextureTable textures{scene.textures, {}};
+    const TraceInput input{&traced, &textures,           {6003, Stream::kTest},
+                           1 << 16, SurfaceChoice::kAll, {}};
+    const Image image = render(input, 0, 1 << 16), of_one_pass = render(input, 0, 1);
+    for (std::size_t i = 0; i < image.values.size(); ++i)
+        EXPECT_NEAR(image.values[i] / of_one_pass.values[i], 1, 1e-6);
+}
+
 /// p-value of "every pixel of the image of a constant light is that constant". `tamper` multiplies
 /// the pixels of an image.
 template <class Tamper>
