@@ -160,9 +160,11 @@ std::optional<Ending> ending_of(const Solver::Impl& run) {
     return {};
 }
 
-/// One iteration with its checks. earlier: seconds before the watch began.
+/// One iteration with its checks. earlier: seconds before the watch began. stop: alone may end it,
+/// where it can still be given up as a whole.
 Iteration iterate_once(Solver::Impl& run, const Stopwatch& watch, double earlier,
                        const StopQuestion& stop) {
+    const Stoppable none(StopQuestion{});
     search_again(run.setup, run.state, stop);
     Iteration i = iterate(run.setup, run.state, run.workspace, stop);
     i.held_out_loss = check_patience(run);

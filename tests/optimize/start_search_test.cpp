@@ -88,6 +88,17 @@ TEST(StartSearch, TellsHowFarItIs) {
     EXPECT_TRUE(std::ranges::any_of(told, [](double share) { return share > 0.2 && share < 0.8; }));
 }
 
+/// No view sees an unknown, as where light alone that bounces comes from it.
+TEST(StartSearch, TellsThatItIsDoneWhereNothingIsSeen) {
+    Scene scene = smooth_scene();
+    scene.camera.to_world = look_at({0, 0, 5}, {0, 0, 10}, {0, 1, 0});
+    std::vector<double> told;
+    const Solver solver(searched_problem(scene, SearchStart{}), {},
+                        [&](const std::string&, double share) { told.push_back(share); });
+    ASSERT_FALSE(told.empty());
+    EXPECT_EQ(told.back(), 1);
+}
+
 TEST(StartSearch, FindsColorsByTheRatioOfPictureAndRender) {
     Principled floor;  // neither lobe but the diffuse one matters much
     floor.base_color.texture = {0};

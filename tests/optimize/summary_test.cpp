@@ -182,6 +182,17 @@ TEST(Summary, ALowerLossBringsPatienceBack) {
     EXPECT_EQ(summary.counts.iterations, 100u);
 }
 
+/// What stops loops around a solver would leave an iteration half made.
+TEST(Iteration, IsNotCutByAQuestionAroundIt) {
+    const auto texture_after = [](const StopQuestion& stop) {
+        Solver solver(test::problem_of(test::small_scene_of(16)), an_option_of_each()[2]);
+        const Stoppable stoppable(stop);
+        solver.step();
+        return copy_of(solver.texture(0));
+    };
+    EXPECT_EQ(texture_after([] { return true; }), texture_after({}));
+}
+
 TEST(Iteration, SecondsOfASolverAreThoseOfItsSteps) {
     Options options = an_option_of_each()[2];
     options.stop.seconds = 1e6;
