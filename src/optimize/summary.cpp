@@ -14,18 +14,17 @@ std::uint32_t stride_after(std::uint32_t count) {
     return count < kMostIterations ? 1 : 2 * std::bit_floor(count / kMostIterations);
 }
 
-void keep_every_second(std::vector<Iteration>& iterations) {
-    for (std::size_t i = 0; 2 * i < iterations.size(); ++i) iterations[i] = iterations[2 * i];
-    iterations.resize((iterations.size() + 1) / 2);
-}
-
 }  // namespace
 
 void add_iteration(const Iteration& iteration, Summary& summary) {
     RunCounts& counts = summary.counts;
-    if (summary.iterations.size() == kMostIterations) keep_every_second(summary.iterations);
-    if (counts.iterations % stride_after(counts.iterations) == 0)
-        summary.iterations.push_back(iteration);
+    // The last of each stride: patience is checked after even numbers of iterations.
+    const auto is_left_out = [stride = stride_after(counts.iterations)](const Iteration& i) {
+        return (i.number + 1) % stride != 0;
+    };
+    if (summary.iterations.size() == kMostIterations)
+        std::erase_if(summary.iterations, is_left_out);
+    if (!is_left_out(iteration)) summary.iterations.push_back(iteration);
     ++counts.iterations;
     counts.paths += iteration.paths;
     counts.derivatives += iteration.derivatives;

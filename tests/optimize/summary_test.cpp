@@ -132,6 +132,23 @@ TEST(Summary, OfALongRunKeepsSomeIterationsAndCountsAll) {
     EXPECT_EQ(summary.counts.rejected_derivatives, 0u);
 }
 
+/// They come after every 20 iterations: strides of 2 and 4 keep each, 8 every second, 16 every
+/// fourth.
+TEST(Summary, OfALongRunKeepsChecksOfPatience) {
+    for (const auto& [iterations, apart] :
+         {std::pair(40000u, 20u), std::pair(100000u, 40u), std::pair(200000u, 80u)}) {
+        Summary summary;
+        for (std::uint32_t n = 0; n < iterations; ++n) {
+            Iteration i{.number = n};
+            if ((n + 1) % 20 == 0) i.held_out_loss = 1.0;
+            add_iteration(i, summary);
+        }
+        std::uint32_t checks = 0;
+        for (const Iteration& i : summary.iterations) checks += i.held_out_loss.has_value();
+        EXPECT_EQ(checks, iterations / apart);
+    }
+}
+
 TEST(Summary, SaysWhatEndedTheRun) {
     const Problem problem = sky_problem();
     Options options = an_option_of_each()[2];
