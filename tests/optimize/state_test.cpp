@@ -203,6 +203,8 @@ TEST(State, OfOtherOptionsIsRefusedWithTheirNames) {
         EXPECT_NE(refusal(before, after).find(name), std::string::npos) << name;
         EXPECT_EQ(refusal(before, before), "") << name;
     }
+    for (View& view : problem.views) view.exposure = FitExposure{};
+    EXPECT_EQ(refusal(plain, {}), "") << "any loss gathers halves where an exposure is fitted";
 }
 
 }  // namespace
