@@ -175,6 +175,8 @@ void solve_first(Problem problem, OutputFolder& output, std::optional<Checkpoint
 
 void solve_second(Problem problem, OutputFolder& output, Phases& phases, RunResult& run) {
     RunCheckpoints checkpoints(run, output, kCompared);
+    // From here on a signal of the system waits for a checkpoint again.
+    if (keeps_run(output)) set_on_disk(OnDisk::kPart, resume_hint(output));
     std::optional<Checkpoint> from;
     const std::string& folder = checkpoints.options().folder;
     if (agree(run.ranks, run.goes_on && !checkpoints_in(folder).empty()))

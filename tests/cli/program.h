@@ -193,8 +193,9 @@ class Program : public ::testing::Test {
         return folder / out / ".burnish-unfinished" / "lock";
     }
     /// Iterations that a run has written down so far; -1: it has not begun to.
-    std::ptrdiff_t iterations_told(const std::string& out) const {
-        const std::string lines = read_text(folder / out / "checkpoints" / "history.csv");
+    std::ptrdiff_t iterations_told(const std::string& out,
+                                   const std::string& checkpoints = "checkpoints") const {
+        const std::string lines = read_text(folder / out / checkpoints / "history.csv");
         return std::count(lines.begin(), lines.end(), '\n') - 1;
     }
 

@@ -303,6 +303,19 @@ TEST_F(Resume, ASecondRunGoesOn) {
     EXPECT_EQ(summary_of("out")["compared"]["iterations"], 300);
 }
 
+/// Within a minute it writes none but the last.
+TEST_F(Resume, ASignalInASecondRunWaitsForItsFirstCheckpoint) {
+    std::string command = kLongRun;
+    command.erase(command.find("--checkpoint-every"));
+    const int status = stop_once([&] { return iterations_told("out", "checkpoints/compared") > 1; },
+                                 command + "--compare mc -o out", "out", SIGTERM);
+    ASSERT_TRUE(WIFEXITED(status));
+    EXPECT_EQ(WEXITSTATUS(status), 75) << read_text(folder / ".err");
+    const auto kept = checkpoints_in(folder / "out/checkpoints/compared");
+    ASSERT_EQ(kept.size(), 1u) << read_text(folder / ".err");
+    EXPECT_GT(std::stoi(kept.front().filename().string()), 1);
+}
+
 /// Light that is finite, and too bright for what becomes of it.
 TEST_F(Resume, NumbersThatAreNotFiniteEndItWithACheckpoint) {
     run("render scene.xml -o target.exr --spp 4");
