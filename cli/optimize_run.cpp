@@ -29,7 +29,6 @@
 #include "core/parallel.h"
 #include "gradient/estimator.h"
 #include "image/files.h"
-#include "optimize/checkpoint.h"
 #include "optimize/loss.h"
 #include "optimize/option_table.h"
 #include "optimize/ranks.h"
@@ -178,9 +177,7 @@ void solve_second(Problem problem, OutputFolder& output, Phases& phases, RunResu
     // From here on a signal of the system waits for a checkpoint again.
     if (keeps_run(output)) set_on_disk(OnDisk::kPart, resume_hint(output));
     std::optional<Checkpoint> from;
-    const std::string& folder = checkpoints.options().folder;
-    if (agree(run.ranks, run.goes_on && !checkpoints_in(folder).empty()))
-        from = load_checkpoint(folder, run.ranks);
+    if (run.goes_on) from = load_second_run(checkpoints.options().folder, run.ranks);
     const double earlier = from ? from->run.seconds : 0;
     const bool searches = !from;
     log_idle(run, run.settings.compared->estimator);

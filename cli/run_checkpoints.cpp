@@ -61,6 +61,15 @@ void require_files(const Checkpoint& checkpoint) {
                                  checkpoint.file, began_in, fmt::join(changed, "; ")));
 }
 
+/// What is wrong with newer ones, and whether another program wrote it.
+void warn_of(const Checkpoint& checkpoint, const char* run) {
+    for (const std::string& damaged : checkpoint.damaged)
+        log_warning(damaged + ": the one before it is taken");
+    if (checkpoint.program != version_text())
+        log_warning(fmt::format("{} began with {}: with {} the bytes may be others", run,
+                                checkpoint.program, version_text()));
+}
+
 }  // namespace
 
 void require_checkpoint(const std::string& folder) {
@@ -73,15 +82,29 @@ void require_checkpoint(const std::string& folder) {
 
 Checkpoint load_run(const OutputFolder& output, const Ranks& ranks) {
     Checkpoint checkpoint = load_checkpoint(output.checkpoints.string(), ranks);
-    for (const std::string& damaged : checkpoint.damaged)
-        log_warning(damaged + ": the one before it is taken");
-    if (checkpoint.program != version_text())
-        log_warning(fmt::format("the run began with {}: with {} the bytes may be others",
-                                checkpoint.program, version_text()));
+    warn_of(checkpoint, "the run");
     require_files(checkpoint);
     log_info(fmt::format("going on after {}, {}",
                          count_text(checkpoint.run.counts.iterations, "iteration"),
                          duration_text(checkpoint.run.seconds)));
+    return checkpoint;
+}
+
+std::optional<Checkpoint> load_second_run(const std::string& folder, const Ranks& ranks) {
+    if (!agree(ranks, !checkpoints_in(folder).empty())) return {};
+    std::optional<Checkpoint> checkpoint;
+    std::string damaged;
+    try {
+        checkpoint = load_checkpoint(folder, ranks);
+    } catch (const InputError& error) {
+        damaged = error.what();
+    }
+    if (!agree(ranks, checkpoint.has_value())) {
+        log_warning(damaged + ": the second run begins anew");
+        return {};
+    }
+    if (!checkpoint) throw InputError(damaged);
+    warn_of(*checkpoint, "the second run");
     return checkpoint;
 }
 

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <fstream>
+#include <optional>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -28,6 +29,10 @@ void require_checkpoint(const std::string& folder);
 /// The newest checkpoint of the first run in a folder; says what is wrong with newer ones. Throws
 /// InputError: there is none, or a file that the run has read is another one now.
 Checkpoint load_run(const OutputFolder& output, const Ranks& ranks);
+
+/// The newest checkpoint of a second run in the folder of its checkpoints; says what is wrong with
+/// newer ones. None: there is none, or none is whole, and it says so.
+std::optional<Checkpoint> load_second_run(const std::string& folder, const Ranks& ranks);
 
 /// The settings of the run, as JSON; and as they were given.
 std::string settings_of(const Checkpoint& checkpoint);

@@ -316,6 +316,27 @@ TEST_F(Resume, ASignalInASecondRunWaitsForItsFirstCheckpoint) {
     EXPECT_GT(std::stoi(kept.front().filename().string()), 1);
 }
 
+TEST_F(Resume, ASecondRunWithADamagedCheckpointGoesOnOrBeginsAnew) {
+    const std::string command = std::string(kLongRun) + "--compare mc ";
+    ASSERT_EQ(run(command + "-o whole").code, 0) << read_text(folder / ".err");
+    stop(command + "-o out", "out", SIGTERM, "checkpoints/compared");
+    const std::vector<fs::path> kept = checkpoints_in(folder / "out/checkpoints/compared");
+    ASSERT_FALSE(kept.empty()) << read_text(folder / ".err");
+    fs::copy(folder / "out", folder / "anew", fs::copy_options::recursive);
+    for (const fs::path& file : kept)
+        fs::resize_file(folder / "anew/checkpoints/compared" / file.filename(), 100);
+    write_text(folder / "out/checkpoints/compared/0000009999.burnish", "BURNISHC");
+    for (const auto& [out, said] :
+         {std::pair("out", "0000009999.burnish: is cut off: the one before it is taken"),
+          std::pair("anew", "the second run begins anew")}) {
+        const Outcome resumed = run(std::string("optimize --resume ") + out);
+        ASSERT_EQ(resumed.code, 0) << resumed.err;
+        EXPECT_TRUE(contains(resumed.err, said)) << resumed.err;
+        expect_same("whole", out);
+        EXPECT_EQ(summary_of(out)["compared"]["iterations"], 300);
+    }
+}
+
 /// Light that is finite, and too bright for what becomes of it.
 TEST_F(Resume, NumbersThatAreNotFiniteEndItWithACheckpoint) {
     run("render scene.xml -o target.exr --spp 4");
