@@ -303,8 +303,8 @@ void go_on(const std::string& folder, const std::vector<Given>& changes, const S
            const Ranks& ranks) {
     require_checkpoint(folder);
     OutputFolder output = open_together(folder, Found::kResumed, ranks);
-    Checkpoint from = load_run(output, ranks);
     if (!asked) set_on_disk(OnDisk::kPart, resume_hint(output));  // a job's batch has set its own
+    Checkpoint from = load_run(output, ranks);
     const std::string recorded = asked_of(from);
     const std::string other = asked ? changed_setting(recorded, *asked) : "";
     if (!other.empty())
