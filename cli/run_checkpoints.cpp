@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <exception>
 #include <nlohmann/json.hpp>
 
 #include "burnish/error.h"
@@ -117,7 +118,7 @@ std::string asked_of(const Checkpoint& checkpoint) {
 }
 
 RunCheckpoints::RunCheckpoints(const RunResult& run, OutputFolder& output, const std::string& part)
-    : output_(output), hint_(resume_hint(output)), writes_(is_first(run.ranks)) {
+    : output_(output), ranks_(run.ranks), hint_(resume_hint(output)) {
     options_.folder = (output.checkpoints / part).string();
     options_.seconds = run.settings.run.checkpoint_seconds;
     const nlohmann::ordered_json about{{"settings", settings_json(run.settings)},
@@ -130,7 +131,7 @@ RunCheckpoints::RunCheckpoints(const RunResult& run, OutputFolder& output, const
 }
 
 void RunCheckpoints::begin(const std::vector<Iteration>& earlier) {
-    if (!writes_) return;
+    if (!is_first(ranks_)) return;
     std::error_code ignored;
     fs::create_directories(options_.folder, ignored);
     const fs::path file = fs::path(options_.folder) / kHistory;
@@ -154,7 +155,9 @@ void RunCheckpoints::tell(const CheckpointNote& note) {
 }
 
 void RunCheckpoints::suspend() const {
-    if (!error_.empty()) throw OutputError(error_);
+    std::exception_ptr failed;  // the first process alone has heard of it
+    if (!error_.empty()) failed = std::make_exception_ptr(OutputError(error_));
+    throw_from_first(ranks_, failed);
     throw Suspended(hint_);
 }
 

@@ -52,19 +52,19 @@ class RunCheckpoints {
     /// Before the first iteration of this process. earlier: those of processes before.
     void begin(const std::vector<Iteration>& earlier);
     void add(const Iteration& iteration);
-    /// Throws Suspended where everything lies on the disk, otherwise OutputError: there is nothing
-    /// to keep.
+    /// Throws, the same in all processes, Suspended where everything lies on the disk, otherwise
+    /// OutputError: there is nothing to keep.
     [[noreturn]] void suspend() const;
 
   private:
     void tell(const CheckpointNote& note);
 
     OutputFolder& output_;
+    Ranks ranks_;  ///< of which the first one writes
     Checkpoints options_;
     std::string hint_;
     std::string error_;  ///< of the last checkpoint; empty: it was written
     std::ofstream history_;
-    bool writes_;  ///< the first of several processes does
 };
 
 }  // namespace burnish
