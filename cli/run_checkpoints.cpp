@@ -137,10 +137,14 @@ void RunCheckpoints::begin(const std::vector<Iteration>& earlier) {
     const fs::path file = fs::path(options_.folder) / kHistory;
     fs::remove(file, ignored);  // it may be a link
     history_.open(file, std::ios::trunc);
-    history_ << history_csv(earlier) << std::flush;
+    // Where there is no room yet, the header waits in the buffer.
+    history_ << history_csv({});
+    for (const Iteration& i : earlier) history_ << history_row(i);
+    history_ << std::flush;
 }
 
 void RunCheckpoints::add(const Iteration& iteration) {
+    history_.clear();  // the disk may have been full
     history_ << history_row(iteration) << std::flush;
 }
 

@@ -1,7 +1,10 @@
 // What a run keeps on the disk while it goes, where writing fails.
 #include "cli/run_checkpoints.h"
 
+#include <csignal>
+
 #include "burnish/error.h"
+#include "cli/history.h"
 #include "cli/program.h"
 #include "optimize/thread_ranks.h"
 
@@ -27,6 +30,25 @@ TEST(RunCheckpointsTest, AllProcessesEndAlike) {
                 EXPECT_THROW(checkpoints.suspend(), OutputError) << ranks.rank;
             }
         });
+}
+
+TEST(RunCheckpointsTest, TheHistoryGoesOnOnceThereIsRoomAgain) {
+    const test::TemporaryFolder folder;
+    const RunResult run;
+    OutputFolder output = helping_folder(folder.path);
+    RunCheckpoints checkpoints(run, output);
+    checkpoints.begin({{.number = 0}});
+    const fs::path file = output.checkpoints / kHistory;
+    rlimit room{}, full{};
+    ASSERT_EQ(getrlimit(RLIMIT_FSIZE, &room), 0);
+    full = room, full.rlim_cur = fs::file_size(file);
+    std::signal(SIGXFSZ, SIG_IGN);
+    ASSERT_EQ(setrlimit(RLIMIT_FSIZE, &full), 0);
+    checkpoints.add({.number = 1});
+    ASSERT_EQ(setrlimit(RLIMIT_FSIZE, &room), 0);
+    EXPECT_EQ(read_text(file), history_csv({{.number = 0}})) << "there was room";
+    checkpoints.add({.number = 2});
+    EXPECT_TRUE(read_text(file).ends_with(history_row({.number = 2}))) << read_text(file);
 }
 
 }  // namespace
