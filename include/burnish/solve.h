@@ -21,9 +21,10 @@ namespace burnish {
 /// What a rendered image is multiplied with, by channel.
 using ExposureFactors = std::array<float, 3>;
 
-/// The factor at which the image of the present textures is nearest to the picture, weighted as the
-/// loss weighs: in closed form, whenever the image is there. Where colours are unknown, one view at
-/// least should keep a number: no picture tells a bright colour from a long exposure.
+/// The factor at which the image of the present textures is nearest to the picture, found whenever
+/// the image is there: weighted as the loss weighs, where textures are stepped as their gradient
+/// weighs (Loss::kReweighted). Where colours are unknown, one view at least should keep a number:
+/// no picture tells a bright colour from a long exposure.
 struct FitExposure {
     bool by_channel = false;  ///< a factor for each channel: the white balance, too
 

@@ -19,6 +19,9 @@ constexpr Range kDecay{0, 0.999999};
 // One sentence each for what several estimators have.
 constexpr const char* kSpp =
     "Fresh samples per pixel of the image in an iteration; no more than twice a window are traced";
+constexpr const char* kFreshSpp =
+    "Fresh samples per pixel of the image in an iteration, by default in two halves: an odd number "
+    "loses one, 1 counts as 2; no more than twice a window are traced";
 constexpr const char* kImageWindow =
     "The most passes of the image that each of two halves keeps and shades again; 0: fresh samples "
     "alone";
@@ -98,7 +101,7 @@ constexpr OptionRow kTable[] = {
     {{.name = "monte_carlo.image_samples",
       .flag = "--spp",
       .level = kBasic,
-      .sentence = kSpp,
+      .sentence = kFreshSpp,
       .range = kImageSamples},
      of<MonteCarlo, &MonteCarlo::image_samples>(),
      kMonteCarlo},
@@ -117,7 +120,7 @@ constexpr OptionRow kTable[] = {
     {{.name = "reservoirs.image_samples",
       .flag = "--spp",
       .level = kBasic,
-      .sentence = kSpp,
+      .sentence = kFreshSpp,
       .range = kImageSamples},
      of<Reservoirs, &Reservoirs::image_samples>(),
      kReservoirs},
