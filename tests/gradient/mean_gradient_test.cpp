@@ -71,9 +71,9 @@ TEST(MeanGradient, IsThatOfTheEstimatesAtTheGivenTextures) {
 /// A grey plane under parallel light: nothing is noisy, and each pixel is the reflectance times its
 /// derivative. A sum of floats would be wrong by 0.3 %.
 TEST(MeanGradient, AddsUpAMillionSamplesOfOneTexel) {
-    constexpr int kSide = 512;
+    constexpr int kPixels = 512;
     Scene scene;
-    scene.film = {kSide, kSide, 0, 0, kSide, kSide, {FilterKind::kBox, 0.5f}};
+    scene.film = {kPixels, kPixels, 0, 0, kPixels, kPixels, {FilterKind::kBox, 0.5f}};
     scene.camera.to_world = look_at({0, 0, 2}, {0, 0, 0}, {0, 1, 0});
     scene.camera.fov_x = 40;
     scene.textures = {test::make_bitmap(1, 3, TextureFilter::kNearest, 0.5f, 0.5f, 1)};
@@ -88,8 +88,9 @@ TEST(MeanGradient, AddsUpAMillionSamplesOfOneTexel) {
     sun.irradiance = {2, 3, 1};
     scene.emitters = {sun};
     const Renderer renderer = make_renderer(scene);
-    const Image gradient = estimate_gradient(renderer, {"plane.reflectance.data"},
-                                             make_image(kSide, kSide, 3, 1.0f), {.samples = 4})[0];
+    const Image gradient =
+        estimate_gradient(renderer, {"plane.reflectance.data"},
+                          make_image(kPixels, kPixels, 3, 1.0f), {.samples = 4})[0];
     const Image image = renderer.render(1, 0);
     for (std::size_t c = 0; c < 3; ++c) {
         double sum = 0;
