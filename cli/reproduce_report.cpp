@@ -31,8 +31,7 @@ std::string table_html(const Table& table) {
 }
 
 std::string plot_html(const Plot& plot) {
-    Chart chart{
-        plot.log_x ? plot.x_label + " (each step doubles)" : plot.x_label, plot.y_label, {}};
+    Chart chart{plot.log_x ? plot.x_label + " (logarithmic)" : plot.x_label, plot.y_label, {}};
     for (std::size_t k = 0; k < plot.curves.size(); ++k) {
         const Curve& curve = plot.curves[k];
         if (curve.points.empty()) continue;
@@ -42,6 +41,7 @@ std::string plot_html(const Plot& plot) {
         series.marks = series.points;
         chart.series.push_back(std::move(series));
     }
+    chart.whole_x = plot.log_x;  // ticks at powers of two
     if (plot.log_x) chart.x_tick_text = [](double x) { return fmt::format("{:g}", std::exp2(x)); };
     return "<div class=\"card wide\">" + chart_svg(chart) + "</div>\n";
 }

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <regex>
 #include <string>
 #include <vector>
 
@@ -147,6 +148,29 @@ TEST(ReproductionReport, CurvesKeepTheirStylesByTheirPlace) {
     }
     EXPECT_FALSE(contains(page, "class=\"line second\"")) << "it has no points";
     EXPECT_FALSE(contains(page, ">two</text>")) << "nor a place in the legend";
+}
+
+TEST(ReproductionReport, LogarithmicAxesHaveTicksAtPowersOfTwo) {
+    const auto numbers_of = [](const std::vector<double>& samples) {
+        Plot plot{"samples", "NMSE", {{"mc", {}}}, true};
+        for (const double x : samples) plot.curves[0].points.push_back({x, 1000 / x});
+        Figure figure;
+        figure.plots.push_back(plot);
+        Reproduction run;
+        run.experiments.push_back({"equal-error", "", {figure}, {}, 0});
+        const std::string page = reproduction_html(run);
+        const std::regex tick("text-anchor=\"middle\">([0-9.]+)<");
+        std::vector<std::string> numbers;
+        for (auto i = std::sregex_iterator(page.begin(), page.end(), tick);
+             i != std::sregex_iterator(); ++i)
+            numbers.push_back((*i)[1]);
+        return numbers;
+    };
+    using Numbers = std::vector<std::string>;
+    EXPECT_EQ(numbers_of({1}), (Numbers{"1", "2"}));
+    EXPECT_EQ(numbers_of({1, 2}), (Numbers{"1", "2"}));
+    EXPECT_EQ(numbers_of({1, 2, 4, 8}), (Numbers{"1", "2", "4", "8"}));
+    EXPECT_EQ(numbers_of({1, 512}), (Numbers{"1", "4", "16", "64", "256"}));
 }
 
 TEST(ReproductionReport, WrapsTheNamesOfSettings) {
