@@ -329,7 +329,7 @@ void add_reproduce_command(CLI::App& app) {
                {0.01, 1000, false});
     command->add_flag("--full", options->full,
                       "The paper's sizes and budgets: takes hours. One run of each method, so that "
-                      "its ratios have no interval and no verdict");
+                      "its ratios have no interval and no verdict, but in adam and positivization");
     command->add_flag("--fresh-image", options->fresh_image,
                       "Images of iterations from 32 fresh samples per pixel, as in the paper; kept "
                       "samples are shaded again otherwise");
