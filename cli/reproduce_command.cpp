@@ -16,6 +16,7 @@
 #include "cli/output_folder.h"
 #include "cli/reproduce_parts.h"
 #include "cli/reproduce_report.h"
+#include "cli/run_checkpoints.h"
 #include "cli/settings.h"
 #include "cli/summary.h"
 #include "core/joined.h"
@@ -284,14 +285,15 @@ void reproduce(const CommandLine& line) {
 
     Reproduction run = reproduction_of(parts);
     run.settings = settings_text(line, r, machine, targets);
-    write_results(run, output);
     if (done < parts.size())
-        log_info(fmt::format("stopped with {} of {} parts done: the same command goes on", done,
-                             parts.size()));
+        run.stopped = fmt::format("stopped with {} of {} parts done: the same command goes on",
+                                  done, parts.size());
+    write_results(run, output);
     log_info(fmt::format("finished parts are kept in {}; remove it to make them again",
                          kept.folder.string()));
     log_info(fmt::format("the report is {}",
                          (std::filesystem::path(line.output) / "index.html").string()));
+    if (!run.stopped.empty()) throw Suspended(run.stopped);
 }
 
 }  // namespace

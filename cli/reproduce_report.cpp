@@ -137,8 +137,8 @@ const char* name_of(Verdict verdict) {
 std::string reproduction_html(const Reproduction& run) {
     std::string html = fmt::format(
         "<h1><small>Burnish</small>The paper, reproduced</h1><p>Experiments of <i>Parameter-space "
-        "ReSTIR for Differentiable and Inverse Rendering</i> on this machine, {}</p></header>\n",
-        duration_text(run.seconds));
+        "ReSTIR for Differentiable and Inverse Rendering</i> on this machine, {}{}</p></header>\n",
+        duration_text(run.seconds), run.stopped.empty() ? "" : "; " + escape_html(run.stopped));
     html += "<h2>At a glance</h2>\n" + table_html(overview(run));
     for (const ExperimentResult& e : run.experiments) {
         html += fmt::format("<h2>{} <small>{}, {}</small></h2>\n", escape_html(e.title),
@@ -153,6 +153,7 @@ std::string reproduction_json(const Reproduction& run) {
     nlohmann::ordered_json json;
     json["burnish"] = version_text();
     json["seconds"] = run.seconds;
+    if (!run.stopped.empty()) json["stopped"] = run.stopped;
     for (const auto& [name, value] : run.settings) json["settings"][name] = value;
     json["figures"] = nlohmann::ordered_json::array();
     json["measurements"] = nlohmann::ordered_json::array();

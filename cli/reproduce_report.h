@@ -13,6 +13,7 @@ struct Reproduction {
     std::vector<ExperimentResult> experiments;
     std::vector<std::pair<std::string, std::string>> settings;
     double seconds = 0;
+    std::string stopped = {};  ///< how many parts are done of a run that was stopped; else empty
 };
 
 /// The longest side of a picture in the report.
@@ -20,7 +21,7 @@ inline constexpr int kPictureSide = 512;
 
 /// A self-contained page: figures as SVG, pictures as PNG data URIs.
 std::string reproduction_html(const Reproduction& run);
-/// Settings, verdicts and measurements.
+/// Settings, verdicts and measurements, and whether the run was stopped.
 std::string reproduction_json(const Reproduction& run);
 /// experiment,scene,variant,metric,value
 std::string reproduction_csv(const Reproduction& run);

@@ -183,6 +183,15 @@ TEST(ReproductionReport, WrapsTheNamesOfSettings) {
     EXPECT_TRUE(contains(page, "<h2>Adam <small>adam, 2.0 s</small></h2>"));
 }
 
+TEST(ReproductionReport, SaysWhetherTheRunWasStopped) {
+    Reproduction run;
+    EXPECT_FALSE(contains(reproduction_html(run), "stopped"));
+    EXPECT_FALSE(contains(reproduction_json(run), "stopped"));
+    run.stopped = "stopped with 1 of 2 parts done: the same command goes on";
+    EXPECT_TRUE(contains(reproduction_html(run), "; " + run.stopped + "</p></header>"));
+    EXPECT_EQ(nlohmann::json::parse(reproduction_json(run)).at("stopped"), run.stopped);
+}
+
 TEST_F(Reproduce, AtThePapersSizeThereIsOneRun) {
     const Outcome outcome = run("reproduce positivization -o r --full");
     ASSERT_EQ(outcome.code, 0) << outcome.err;

@@ -331,11 +331,17 @@ TEST_F(Signals, AStoppedReproductionGoesOn) {
     EXPECT_TRUE(wait_for([&] { return is_kept("goblet-derivative"); }));
     EXPECT_TRUE(works_for(0.05, pid)) << "the first part has begun";
     kill(pid, SIGINT);
-    EXPECT_EQ(end_of(pid), 0);
+    const int status = end_of(pid);
+    EXPECT_TRUE(WIFEXITED(status) && WEXITSTATUS(status) == 75) << status;
     EXPECT_TRUE(is_kept("goblet-derivatives"));
     EXPECT_FALSE(is_kept("goblet-equal-error"));
     EXPECT_FALSE(contains(read_text(folder / "r/results.csv"), "equal-error"));
+    const char* stopped = "stopped with 1 of 2 parts done: the same command goes on";
+    for (const char* file : {".err", "r/index.html", "r/results.json"})
+        EXPECT_TRUE(contains(read_text(folder / file), stopped)) << file;
     EXPECT_EQ(end_of(start(command)), 0);
+    for (const char* file : {".err", "r/index.html", "r/results.json"})
+        EXPECT_FALSE(contains(read_text(folder / file), stopped)) << file;
     EXPECT_TRUE(is_kept("goblet-equal-error"));
     EXPECT_TRUE(contains(read_text(folder / "r/results.csv"), "equal-error"));
     EXPECT_TRUE(contains(read_text(folder / "r/results.csv"), "derivatives"));
