@@ -300,7 +300,7 @@ void measure_method(const TargetScene& scene, const Method& method, ExperimentRe
                                               "seconds", "two thirds of derivative_seconds"};
     for (std::size_t k = 0; k < method.runs.size(); ++k)
         for (std::size_t b = 0; b < kMoments; ++b) {
-            if (b == kLate && !method.is_late) continue;
+            if ((b == kLong && !method.is_long) || (b == kLate && !method.is_late)) continue;
             const Moment& at = method.runs[k].at[b];
             const auto add = [&](const char* metric, double value) {
                 result.measurements.push_back(
