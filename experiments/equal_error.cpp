@@ -167,7 +167,7 @@ Figure figure_of(const TargetScene& scene, const std::vector<EqualError>& rows, 
                  double image_seconds) {
     Figure f;
     f.title = title_of(scene);
-    f.claim = "Reuse is worth many samples per pixel: fewer are needed for the same error.";
+    f.claim = "Reuse is worth many samples per pixel, so that the same error takes less time.";
     f.measured = fmt::format(
         "What mc needs in its derivative stage for the error of pgris, {}: with replay {}; with "
         "the identity shift {}. The whole iteration adds the image, {:.3f} s, to both.",
@@ -202,8 +202,8 @@ std::string equal_error_reason(std::span<const EqualErrorRun> replay, Verdict of
     if (!is_bound && stands_above_one(ratio)) {
         if (samples_of_mc(replay).ratio > 1)
             return fmt::format(
-                "With replay more samples are needed, but on a CPU they cost less than shifting "
-                "the history: {:.3g} s in place of {:.3g} s.",
+                "mc needs more samples for the error of replay, but on a CPU they cost less than "
+                "shifting the history: {:.3g} s in place of {:.3g} s.",
                 seconds_of_mc(replay).ratio,
                 mean_of(replay, [](const EqualErrorRun& run) { return run.seconds; }).ratio);
         return fmt::format(
