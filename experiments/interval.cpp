@@ -77,6 +77,10 @@ Verdict verdict_below_one(const RatioInterval& first, const RatioInterval& secon
     return verdict_of_ways(verdict_below_one(first), verdict_below_one(second));
 }
 
+RatioInterval in_units_of(const RatioInterval& interval, double unit) {
+    return {interval.ratio / unit, interval.low / unit, interval.high / unit};
+}
+
 bool stands_above_one(const RatioInterval& interval) {
     return interval.low > 1 || (!has_interval(interval) && interval.ratio > 1);
 }
@@ -106,7 +110,9 @@ Verdict late_verdict(const RatioInterval& mc, const RatioInterval& pgris,
     const Verdict goes_on = verdict_below_one(pgris), more = verdict_below_one(pgris_over_mc);
     if (goes_on == Verdict::kFails || more == Verdict::kFails) return Verdict::kFails;
     if (goes_on == Verdict::kUndecided) return Verdict::kUndecided;
-    return verdict_below_one(mc) == Verdict::kHolds ? Verdict::kFails : more;
+    const Verdict falls = verdict_below_one(in_units_of(mc, kConverged));
+    if (falls == Verdict::kHolds) return Verdict::kFails;
+    return falls == Verdict::kFails ? more : Verdict::kUndecided;
 }
 
 }  // namespace burnish

@@ -35,6 +35,9 @@ Verdict verdict_below_one(const RatioInterval& interval);
 /// The same of two ways to do it: kPartly where the claim holds of the second alone.
 Verdict verdict_below_one(const RatioInterval& first, const RatioInterval& second);
 
+/// The ratio as a multiple of `unit`: what is told of 1 is so told of that.
+RatioInterval in_units_of(const RatioInterval& interval, double unit);
+
 /// Whether the ratio lies on that side of 1: its whole interval, or the ratio of a single run,
 /// which has no interval. Such a run decides nothing, but what it shows may need a reason.
 bool stands_above_one(const RatioInterval& interval);
@@ -48,8 +51,11 @@ Verdict bounds_below_one(const RatioInterval& bounds);
 Verdict verdict_of_ways(Verdict first, Verdict second);
 /// Of a claim that has two parts, each with its own verdict.
 Verdict verdict_of_parts(Verdict first, Verdict second);
+/// A loss has converged that falls by less than a tenth late in a run.
+inline constexpr double kConverged = 0.9;
 /// Of the claim that the loss of pgris goes on falling where that of mc has converged. What a loss
-/// changes by late in a run: of mc, of pgris, and of pgris over that of mc, run by run.
+/// changes by late in a run: of mc, of pgris, and of pgris over that of mc, run by run. It holds
+/// where all of the interval of mc lies above kConverged, and fails where all of it lies below.
 Verdict late_verdict(const RatioInterval& mc, const RatioInterval& pgris,
                      const RatioInterval& pgris_over_mc);
 

@@ -282,11 +282,12 @@ Figure late_figure(const TargetScene& scene, const std::vector<Method>& methods,
     f.claim = "The loss goes on falling where that of detached sampling has converged.";
     f.measured = fmt::format(
         "The loss after {} over that after two thirds of them, {}: mc {}, pgris with replay {}, "
-        "with the identity shift {}. That of pgris with replay over that of mc, run by run: {}.",
+        "with the identity shift {}. That of pgris with replay over that of mc, run by run: {}. "
+        "A ratio of mc above {:g} counts as converged.",
         text_of(kDerivative, options.budget), interval_text(options.runs), text(mc), text(replay),
-        text(ratio_interval(changes(kIdentity))), text(beside_mc));
+        text(ratio_interval(changes(kIdentity))), text(beside_mc), kConverged);
     f.verdict = late_verdict(mc, replay, beside_mc);
-    if (stands_below_one(mc))
+    if (stands_below_one(in_units_of(mc, kConverged)))
         f.why = fmt::format(
             "mc has not converged within this budget: its loss falls, too, to {} of that after two "
             "thirds of it.",

@@ -157,7 +157,7 @@ TEST(Inverse, AStoppedRunGoesOn) {
 }
 
 TEST(Inverse, GoingOnIsDecidedByWholeIntervals) {
-    const RatioInterval below{0.8, 0.7, 0.9}, around{1, 0.9, 1.1}, above{1.2, 1.1, 1.3},
+    const RatioInterval below{0.8, 0.7, 0.89}, around{1, 0.91, 1.1}, above{1.2, 1.1, 1.3},
         noise{NAN, 0, INFINITY};
     EXPECT_EQ(late_verdict(around, below, below), Verdict::kHolds);
     EXPECT_EQ(late_verdict(above, below, below), Verdict::kHolds);
@@ -168,6 +168,12 @@ TEST(Inverse, GoingOnIsDecidedByWholeIntervals) {
     EXPECT_EQ(late_verdict(around, below, above), Verdict::kFails);
     EXPECT_EQ(late_verdict(below, below, below), Verdict::kFails) << "mc has not converged";
     EXPECT_EQ(late_verdict(below, around, below), Verdict::kUndecided);
+    // mc has converged where its loss falls by less than a tenth, and where the interval says so.
+    const RatioInterval hardly{0.95, 0.91, 0.99}, wide{0.95, 0.8, 1.1};
+    EXPECT_EQ(late_verdict(hardly, below, below), Verdict::kHolds);
+    EXPECT_EQ(late_verdict(wide, below, below), Verdict::kUndecided);
+    EXPECT_EQ(late_verdict(noise, below, below), Verdict::kUndecided);
+    EXPECT_EQ(late_verdict({.ratio = 1}, below, below), Verdict::kUndecided) << "a single run";
 }
 
 /// A run that was evaluated after 8 iterations at kLate and after so many at kDerivative.
@@ -270,8 +276,10 @@ TEST(Inverse, TexturesThatStayDoNotGoOnThoughTheNoiseOfIterationsFalls) {
     EXPECT_EQ(late(1).measured,
               "The loss after 0.05 s of derivatives over that after two thirds of them, one run, "
               "no interval: mc 1.00, pgris with replay 1.00, with the identity shift 1.00. That of "
-              "pgris with replay over that of mc, run by run: 1.00.");
+              "pgris with replay over that of mc, run by run: 1.00. A ratio of mc above 0.9 "
+              "counts as converged.");
     EXPECT_EQ(late(1).why, "");
+    EXPECT_EQ(late(1.08).why, "") << "it falls by less than a tenth";
     EXPECT_EQ(late(2).why,
               "mc has not converged within this budget: its loss falls, too, to 0.50 of that after "
               "two thirds of it.");
