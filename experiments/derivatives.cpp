@@ -159,9 +159,10 @@ Figure figure_of(const TargetScene& scene, const Study& study, const Runs& runs)
 
 std::string derivatives_reason(const RatioInterval& replay, Verdict of_figure, double seconds,
                                std::uint32_t samples) {
-    if (!falls_short(of_figure) && !stands_above_one(replay)) return {};
-    if (std::isnan(replay.ratio))
-        return "The noise of the converged derivative hides what replay does.";
+    if (!stands_above_one(replay))
+        return falls_short(of_figure)
+                   ? reason_of_doubt(replay, "replay", "the converged derivative")
+                   : "";
     return fmt::format(
         "On a CPU a fresh sample is cheap: tracing only what meets the texture, mc takes {:.4f} s "
         "for 1 sample per pixel, and pgris, which replays its history beside one fresh sample, "

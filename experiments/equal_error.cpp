@@ -212,12 +212,10 @@ std::string equal_error_reason(std::span<const EqualErrorRun> replay, Verdict of
             ratio.ratio);
     }
     if (!falls_short(of_figure)) return {};
-    if (std::isnan(ratio.ratio))
-        return "The noise of the converged derivative hides what replay does.";
-    if (is_bound)
+    if (is_bound && !std::isnan(ratio.ratio))
         return "The error of replay is out of reach for mc here: a bound of its seconds does not "
                "decide.";
-    return "The interval of replay holds 1: more runs would decide.";
+    return reason_of_doubt(ratio, "replay", "the converged derivative");
 }
 
 ExperimentResult run_equal_error(TargetScenes scenes, const ReproduceOptions& options,

@@ -89,6 +89,13 @@ bool stands_below_one(const RatioInterval& interval) {
     return interval.high < 1 || (!has_interval(interval) && interval.ratio < 1);
 }
 
+std::string reason_of_doubt(const RatioInterval& interval, const std::string& part,
+                            const std::string& hiding, double bound) {
+    if (std::isnan(interval.ratio))
+        return fmt::format("The noise of {} hides what {} does.", hiding, part);
+    return fmt::format("The interval of {} holds {:g}: more runs would decide.", part, bound);
+}
+
 Verdict bounds_below_one(const RatioInterval& bounds) {
     return verdict_below_one(bounds) == Verdict::kHolds ? Verdict::kHolds : Verdict::kUndecided;
 }

@@ -43,6 +43,11 @@ RatioInterval in_units_of(const RatioInterval& interval, double unit);
 bool stands_above_one(const RatioInterval& interval);
 bool stands_below_one(const RatioInterval& interval);
 
+/// Why the interval of `part` does not tell whether its ratio is below `bound`: it holds that, or
+/// the noise of `hiding` hides the ratio.
+std::string reason_of_doubt(const RatioInterval& interval, const std::string& part,
+                            const std::string& hiding, double bound = 1);
+
 /// Of upper bounds of a ratio: they may tell that it is below 1, never that it is not.
 Verdict bounds_below_one(const RatioInterval& bounds);
 

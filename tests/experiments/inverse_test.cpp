@@ -219,17 +219,21 @@ burnish::Run invented_run(const Method& method, const ReproduceOptions& options,
     return run;
 }
 
-/// What is said of invented runs, one for each of the losses.
+/// What is said of invented runs, one for each of the losses. of_identity: the loss of pgris with
+/// the identity shift at kDerivative, if it is another.
 std::vector<Figure> figures_of_runs(const std::vector<PgrisLosses>& losses,
                                     const Budget& budget = {8, 40, 0.05, 0.1},
-                                    double late_of_mc = 1) {
+                                    double late_of_mc = 1, std::optional<double> of_identity = {}) {
     ReproduceOptions options = test::small_options();
     options.runs = static_cast<std::uint32_t>(losses.size());
     options.budget = budget;
     std::vector<TargetScene> scenes;
     scenes.push_back(test::small_target_scene(options));
     scenes[0].runs = make_runs(scenes[0], options, [&](const Method& method, std::uint32_t k) {
-        return std::optional(invented_run(method, options, losses[k], late_of_mc));
+        burnish::Run run = invented_run(method, options, losses[k], late_of_mc);
+        if (of_identity && method.name == "pgris, identity")
+            run.at[kDerivative].loss = *of_identity;
+        return std::optional(run);
     });
     return run_inverse(scenes, options, {[](const std::string&) {}, {}}).figures;
 }
@@ -296,6 +300,23 @@ TEST(Inverse, RunsThatDifferSayNothingOfEqualIterations) {
     EXPECT_TRUE(why(2, 2.1).starts_with("At equal iterations, too.")) << why(2, 2.1);
     EXPECT_TRUE(why(0.9, 1.3).starts_with("After 40 iterations the loss of pgris with replay"))
         << why(0.9, 1.3);
+}
+
+TEST(Inverse, WhatIsOpenOfReplayIsNoMatterOfCosts) {
+    const auto figure = [](const PgrisLosses& first, const PgrisLosses& second) {
+        return figures_of_runs({first, second}, {8, 40, 0.05, 0.1}, 1, 0.01).at(0);
+    };
+    const Figure open = figure({2, 0.5, 0.9, 1}, {2, 0.5, 1.3, 1});
+    EXPECT_EQ(open.verdict, Verdict::kPartly);
+    EXPECT_EQ(open.why, "The interval of replay holds 1: more runs would decide.");
+    const Figure noisy = figure({2, 0.5, -1, 1}, {2, 0.5, 1.3, 1});
+    EXPECT_EQ(noisy.verdict, Verdict::kPartly);
+    EXPECT_EQ(noisy.why, "The noise of the evaluation hides what replay does.");
+    const std::string late = figure({2, 2, 0.9, 1}, {2, 2, 1.3, 1}).why;
+    EXPECT_TRUE(
+        late.starts_with("The interval of replay holds 1: more runs would decide. After 40 "
+                         "iterations the loss of pgris with replay is the higher one."))
+        << late;
 }
 
 TEST(Inverse, ItsPlotsHaveACurveForEachMethod) {
