@@ -126,15 +126,17 @@ RatioInterval equal_time_ratio(const Runs& runs, std::size_t a, std::size_t b) {
 }
 
 Figure figure_of(const TargetScene& scene, const Study& study, const Runs& runs) {
+    const bool is_tree = scene.source.name == "tree";  // of which the paper claims more
+    const double bound = is_tree ? 0.25 : 1;
     const std::vector<Variant>& variants = runs.front();
     const auto ratio = [&](std::size_t a, std::size_t b) { return equal_time_ratio(runs, a, b); };
     const RatioInterval replay = ratio(kReplay, kMcAsReplay),
                         identity = ratio(kIdentity, kMcAsIdentity);
     Figure f;
     f.title = title_of(scene);
-    f.claim =
-        "At equal time the derivatives have a lower error than those of detached sampling, whose "
-        "signs are often wrong (on the Christmas tree over four times lower).";
+    f.claim = fmt::format(
+        "At equal time the error of the derivatives is {}lower than with detached sampling.",
+        is_tree ? "over four times " : "");
     f.measured = fmt::format(
         "NMSE, as ratios, {}. At equal time of the derivative "
         "stage (what times differ by counts: the error of mc falls with them) that of pgris with "
@@ -147,8 +149,8 @@ Figure figure_of(const TargetScene& scene, const Study& study, const Runs& runs)
         text_of(nmse_ratio(runs, kReplay, kMc)), study.trajectory.image_seconds,
         variants[kCache].estimate.seconds, text_of(ratio(kCache, kPgrisAsCache)),
         samples_of(variants[kPgrisAsCache]));
-    f.verdict = verdict_below_one(replay, identity);
-    f.why = derivatives_reason(replay, f.verdict, variants[kMc].estimate.seconds,
+    f.verdict = verdict_below_one(in_units_of(replay, bound), in_units_of(identity, bound));
+    f.why = derivatives_reason(replay, bound, f.verdict, variants[kMc].estimate.seconds,
                                samples_of(variants[kMcAsReplay]));
     f.tables.push_back(table_of(variants, study));
     f.pictures.push_back(pictures_of(variants, study));
@@ -157,11 +159,11 @@ Figure figure_of(const TargetScene& scene, const Study& study, const Runs& runs)
 
 }  // namespace
 
-std::string derivatives_reason(const RatioInterval& replay, Verdict of_figure, double seconds,
-                               std::uint32_t samples) {
-    if (!stands_above_one(replay))
+std::string derivatives_reason(const RatioInterval& replay, double bound, Verdict of_figure,
+                               double seconds, std::uint32_t samples) {
+    if (!stands_above_one(in_units_of(replay, bound)))
         return falls_short(of_figure)
-                   ? reason_of_doubt(replay, "replay", "the converged derivative")
+                   ? reason_of_doubt(replay, "replay", "the converged derivative", bound)
                    : "";
     return fmt::format(
         "On a CPU a fresh sample is cheap: tracing only what meets the texture, mc takes {:.4f} s "

@@ -5,6 +5,7 @@
 
 #include <cmath>
 #include <string>
+#include <tuple>
 #include <vector>
 
 #include "experiments/experiments.h"
@@ -29,11 +30,44 @@ TEST(Derivatives, ASingleRunThatIsBehindHasAReason) {
     EXPECT_EQ(f.why.empty(), !(ratios[0] > 1)) << f.measured << f.why;
 }
 
+/// Two runs on the scene under this name.
+ExperimentResult result_under(const std::string& name) {
+    ReproduceOptions options = test::small_options();
+    options.runs = 2;
+    std::vector<TargetScene> scenes;
+    scenes.push_back(test::small_target_scene(options));
+    scenes[0].source.name = name;
+    return run_derivatives(scenes, options, {[](const std::string&) {}, {}});
+}
+
+TEST(Derivatives, TheVerdictIsOfTheClaim) {
+    for (const auto& [name, claim, bound] :
+         {std::tuple{"goblet", "lower than with detached sampling.", 1.0},
+          {"tree", "over four times lower than with detached sampling.", 0.25}}) {
+        const ExperimentResult result = result_under(name);
+        const auto interval = [&](const std::string& shift) {
+            const std::string metric = "nmse_ratio_equal_time_" + shift;
+            RatioInterval i;
+            for (const Measurement& m : result.measurements) {
+                if (m.metric == metric) i.ratio = m.value;
+                if (m.metric == metric + "_low") i.low = m.value;
+                if (m.metric == metric + "_high") i.high = m.value;
+            }
+            return i;
+        };
+        const Figure& f = result.figures.at(0);
+        EXPECT_EQ(f.claim, std::string("At equal time the error of the derivatives is ") + claim);
+        EXPECT_EQ(f.verdict, verdict_below_one(in_units_of(interval("replay"), bound),
+                                               in_units_of(interval("identity"), bound)))
+            << f.measured;
+    }
+}
+
 TEST(Derivatives, TheReasonIsWhatReplayTakesUnlessItsIntervalDoesNotTell) {
     const RatioInterval below{0.5, 0.4, 0.6}, around{1, 0.9, 1.1}, above{2, 1.5, 2.5},
         single{.ratio = 2}, noise{.ratio = NAN};
     const auto reason = [](const RatioInterval& replay, Verdict of_figure) {
-        return derivatives_reason(replay, of_figure, 0.0125, 3);
+        return derivatives_reason(replay, 1, of_figure, 0.0125, 3);
     };
     const std::string costs = reason(above, Verdict::kFails);
     EXPECT_TRUE(
@@ -50,6 +84,10 @@ TEST(Derivatives, TheReasonIsWhatReplayTakesUnlessItsIntervalDoesNotTell) {
     EXPECT_EQ(reason(noise, Verdict::kUndecided), "");
     EXPECT_EQ(reason(below, Verdict::kHolds), "");
     EXPECT_EQ(reason(around, Verdict::kUndecided), "");
+    // The claim may be of a quarter.
+    EXPECT_EQ(derivatives_reason(below, 0.25, Verdict::kFails, 0.0125, 3), costs);
+    EXPECT_EQ(derivatives_reason({0.25, 0.2, 0.3}, 0.25, Verdict::kPartly, 0.0125, 3),
+              "The interval of replay holds 0.25: more runs would decide.");
 }
 
 TEST(Derivatives, ErrorsThatTheReferenceHidesTellNothing) {
