@@ -28,6 +28,8 @@ TEST(Derivatives, ASingleRunThatIsBehindHasAReason) {
         if (m.metric == "nmse_ratio_equal_time_replay") ratios.push_back(m.value);
     ASSERT_EQ(ratios.size(), 1u);
     EXPECT_EQ(f.why.empty(), !(ratios[0] > 1)) << f.measured << f.why;
+    EXPECT_EQ(f.measured.find("about the same time"), std::string::npos) << f.measured;
+    EXPECT_NE(f.measured.find(" spp, which takes "), std::string::npos) << f.measured;
 }
 
 /// Two runs on the scene under this name.
