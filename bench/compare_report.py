@@ -15,18 +15,19 @@ class Row(NamedTuple):
     form: str = ".3f"
 
     def ratio(self):
-        """"median [min, max]" over the repeats, those apart in which something was not reached."""
-        ratios = [a / b for a, b in self.finite()]
+        """"median [min, max]" over the repeats whose pairs are comparable."""
+        ratios = [a / b for a, b in self.comparable()]
         if not ratios:
             return "-"
         text = f"{statistics.median(ratios):.3g} [{min(ratios):.3g}, {max(ratios):.3g}]"
         return text + (f" in {len(ratios)} of {len(self.ours)}" if len(ratios) < len(self.ours) else "")
 
-    def finite(self):
-        return [(a, b) for a, b in zip(self.theirs, self.ours) if math.isfinite(a) and math.isfinite(b) and b > 0]
+    def comparable(self):
+        """Pairs of what was reached. A loss without its noise may be below 0: it has no ratio."""
+        return [(a, b) for a, b in zip(self.theirs, self.ours) if 0 < a < math.inf and 0 < b < math.inf]
 
     def medians(self):
-        pairs = self.finite()
+        pairs = self.comparable()
         return [f"{statistics.median(x):{self.form}}" for x in zip(*pairs)] if pairs else ["-", "-"]
 
 

@@ -68,6 +68,12 @@ class Rows(unittest.TestCase):
         row = report.Row("", [2, math.inf, 4], [1, 1, 1], ".0f")
         self.assertEqual((row.ratio(), row.medians()), ("3 [2, 4] in 2 of 3", ["3", "1"]))
 
+    def test_there_is_no_ratio_of_losses_that_noise_hides(self):
+        for theirs, ours in ((-2, 1), (2, -1), (-2, -1), (0, 1), (math.nan, 1)):
+            self.assertEqual(report.Row("", [theirs], [ours]).ratio(), "-")
+        row = report.Row("", [-2, 4], [1, 1], ".0f")
+        self.assertEqual((row.ratio(), row.medians()), ("4 [4, 4] in 1 of 2", ["4", "1"]))
+
     def test_equal_loss_is_what_both_reach(self):
         theirs = [run((2, 0.5), (4, 0.4)) | {"compile_s": 1.0}]
         ours = [run((2, 0.2), (4, 0.1))]
