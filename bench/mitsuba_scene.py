@@ -94,7 +94,7 @@ def render(scene, view: dict, passes: range, spp: int = PASS_SPP) -> list[np.nda
 
 
 def rel_mse(image, target):
-    """The loss of Burnish by default, differentiable."""
+    """The relMSE of Burnish, differentiable."""
     return dr.mean(dr.square(image - target) / (dr.square(target) + 0.01), axis=None)
 
 
