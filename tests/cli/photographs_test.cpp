@@ -19,7 +19,7 @@ struct PhotographsTest : Program {
     using json = nlohmann::json;
 
     const std::string optimize =
-        "optimize capture.json --parameter base_color --iterations 400 --learning-rate 0.02 "
+        "optimize capture.json --parameter base_color --iterations 800 --learning-rate 0.01 "
         "--init 0.5 --evaluation-spp 64 ";
 
     PhotographsTest() { write_scene(); }

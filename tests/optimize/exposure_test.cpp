@@ -172,6 +172,28 @@ TEST(Exposure, OfReweightedPixelsIsWhereTheirGradientDoesNotChange) {
     }
 }
 
+/// A picture so noisy that the loss and the gradient ask for different exposures, and an image with
+/// hardly any noise.
+TEST(Exposure, IsFittedUnderTheWeightsThatStepTheTextures) {
+    Problem problem = test::problem_of(test::small_scene_of(24));
+    View& view = problem.views[0];
+    view.exposure = FitExposure{};
+    test::RandomSource random{7};
+    for (float& v : view.image.values) v *= random.next(0.1f, 1.9f);
+    Options options;
+    options.estimator = MonteCarlo{.image_samples = 2048, .samples = 1};
+    options.background_samples = 2048;
+    Solver solver(problem, options);
+    solver.step();
+    const Image image = solver.image(0);
+    const ImageHalves halves{image, image};
+    const WeightedPicture picture{view.image, view.mask};
+    const float stepped = fit_reweighted_exposure({}, halves, picture, {1, 1, 1})[0],
+                of_loss = fit_exposure({}, Loss::kReweighted, halves, picture, {1, 1, 1})[0];
+    EXPECT_NEAR(solver.exposure(0)[0] / stepped, 1, 0.01);
+    EXPECT_GT(std::abs(of_loss / stepped - 1), 0.1f);
+}
+
 TEST(Exposure, StaysWhereThereIsNoLight) {
     const Image dark = make_image(4, 4, 3), gray = make_image(4, 4, 3, 0.5f);
     const Image no_weight = make_image(4, 4, 1);
