@@ -17,14 +17,12 @@ constexpr Range kImageSamples{1, kMaxSamplesPerPixel, true};
 constexpr Range kDecay{0, 0.999999};
 
 // One sentence each for what several estimators have.
-constexpr const char* kSpp =
-    "Fresh samples per pixel of the image in an iteration; no more than twice a window are traced";
 constexpr const char* kFreshSpp =
-    "Fresh samples per pixel of the image in an iteration, by default in two halves: an odd number "
-    "loses one, 1 counts as 2; no more than twice a window are traced";
+    "Fresh samples per pixel of an iteration's image, by default in two halves: an odd number "
+    "loses "
+    "one, 1 counts as 2; no more than twice a window are traced";
 constexpr const char* kImageWindow =
-    "The most passes of the image that each of two halves keeps and shades again; 0: fresh samples "
-    "alone";
+    "The most passes of the image that each half keeps and shades again; 0: fresh samples alone";
 constexpr const char* kGradientSpp = "Samples per pixel of the derivative in an iteration";
 constexpr const char* kAdaptive =
     "The derivative's samples go where pixels matter most to the gradient, else evenly";
@@ -78,7 +76,8 @@ constexpr OptionRow kTable[] = {
     {{.name = "path_cache.samples",
       .flag = "--spp",
       .level = kBasic,
-      .sentence = kSpp,
+      .sentence = "Fresh samples per pixel of the image in an iteration; no more than twice a "
+                  "window are traced",
       .range = kSamples},
      of<PathCache, &PathCache::samples>(),
      kPathCache},
