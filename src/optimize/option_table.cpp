@@ -24,8 +24,7 @@ constexpr const char* kFreshSpp =
 constexpr const char* kImageWindow =
     "The most passes of the image that each half keeps and shades again; 0: fresh samples alone";
 constexpr const char* kGradientSpp = "Samples per pixel of the derivative in an iteration";
-constexpr const char* kAdaptive =
-    "The derivative's samples go where pixels matter most to the gradient, else evenly";
+constexpr const char* kAdaptive = "The derivative's samples go where pixels matter, else evenly";
 
 template <class E>
 bool holds(const Options& o) {
@@ -76,8 +75,7 @@ constexpr OptionRow kTable[] = {
     {{.name = "path_cache.samples",
       .flag = "--spp",
       .level = kBasic,
-      .sentence = "Fresh samples per pixel of the image in an iteration; no more than twice a "
-                  "window are traced",
+      .sentence = "Fresh samples per pixel of an iteration; at most twice a window are traced",
       .range = kSamples},
      of<PathCache, &PathCache::samples>(),
      kPathCache},
