@@ -21,6 +21,14 @@ constexpr const char* kUnsupportedEmitters =
 /// <float>, are not.)
 constexpr Rgbf kEqualEnergyWhite{1.204794f, 0.948291f, 0.908916f};
 
+/// Refuses light that single precision cannot hold. what: as in "\"radiance\"".
+Rgbf finite_emission(const Properties& properties, const std::string& what, const Rgbf& value) {
+    if (!is_finite(value))
+        fail(properties.node->place, fmt::format("{} is ({}, {}, {}), expected finite numbers",
+                                                 what, value.x, value.y, value.z));
+    return value;
+}
+
 Rgbf take_emission(Properties& properties, const char* name) {
     const Property* property = take(properties, name);
     Rgbf value = property ? read_color(*property, SpectrumUse::kEmission) : Rgbf{1, 1, 1};
@@ -29,7 +37,7 @@ Rgbf take_emission(Properties& properties, const char* name) {
         fail(properties.node->place,
              fmt::format("\"{}\" is ({}, {}, {}), expected no negative value", name, value.x,
                          value.y, value.z));
-    return value;
+    return finite_emission(properties, fmt::format("\"{}\"", name), value);
 }
 
 /// A colour, or a texture of colours, times 1.
@@ -73,6 +81,8 @@ EnvironmentEmitter read_environment(Loader& loader, Properties& properties) {
     replace_non_finite(loader, node.place, name, file.image.values);
     Image sky = with_channels(padded_to(std::move(file.image), 2, kEnvironmentRows), 3);
     const std::size_t dropped = drop_negative(sky);
+    const float most = *std::max_element(sky.values.begin(), sky.values.end()) * emitter.scale;
+    finite_emission(properties, "the brightest texel times \"scale\"", {most, most, most});
     emitter.image = share(std::move(sky));
     if (dropped > 0)
         note(loader, node.place,
@@ -93,9 +103,11 @@ PointEmitter read_point(Properties& properties) {
     if (position && to_world)
         fail(properties.node->place,
              "found both \"position\" and \"to_world\", expected at most one of them");
+    const Vec3<double> place =
+        to_world ? column_of(*to_world, 3) : position.value_or(Vec3<double>{});
+    require_reach(properties.node->place, "light", place);
     PointEmitter emitter;
-    if (position) emitter.position = to_float(*position);
-    if (to_world) emitter.position = transform_point(*to_world, {0, 0, 0});
+    emitter.position = to_float(place);
     emitter.intensity = take_emission(properties, "intensity");
     return emitter;
 }
@@ -114,6 +126,7 @@ LightPlace take_light_place(Properties& properties) {
              fmt::format("\"to_world\" of the {} shears or scales its axes differently, expected a "
                          "rotation and translation",
                          properties.type));
+    require_reach(properties.node->place, "light", column_of(to_world, 3));
     return {orthonormalised(to_world), static_cast<float>(scale.scale)};
 }
 
@@ -124,7 +137,8 @@ SpotEmitter read_spot(Loader& loader, Properties& properties) {
     spot.cutoff = take_float(properties, "cutoff_angle", 20);
     spot.beam_width = take_float(properties, "beam_width", 0.75f * spot.cutoff);
     const Emission texture = take_textured_emission(loader, properties, "texture");
-    spot.intensity = spot.intensity * texture.color;
+    spot.intensity = finite_emission(properties, "\"intensity\" times \"texture\"",
+                                     spot.intensity * texture.color);
     spot.texture = texture.texture;
     const float largest = spot.texture ? 89.9f : 180.0f;
     if (!(spot.cutoff > 0 && spot.cutoff <= largest && spot.beam_width >= 0))
@@ -150,7 +164,9 @@ DirectionalEmitter read_directional(Properties& properties) {
              "the direction of the light is 0, expected one to shine along");
     // As in Mitsuba, where the length that to_world gives the direction counts as a cosine does.
     const auto scale = static_cast<float>(to_world ? length(way) : 1);
-    return {to_float(normalize(way)), take_emission(properties, "irradiance") * scale};
+    return {to_float(normalize(way)),
+            finite_emission(properties, "\"irradiance\" times the scale of \"to_world\"",
+                            take_emission(properties, "irradiance") * scale)};
 }
 
 ProjectorEmitter read_projector(Loader& loader, Properties& properties) {
@@ -163,7 +179,9 @@ ProjectorEmitter read_projector(Loader& loader, Properties& properties) {
         fail(properties.node->place,
              fmt::format("\"scale\" is {}, expected no negative value", scale));
     // As in Mitsuba, where the length that to_world gives the axes counts as a brightness does.
-    projector.irradiance = emission.color * (scale * place.scale);
+    projector.irradiance =
+        finite_emission(properties, "\"irradiance\" times \"scale\" and that of \"to_world\"",
+                        emission.color * (scale * place.scale));
     projector.texture = emission.texture;
     if (emission.texture)
         if (const Bitmap* bitmap = bitmap_of(loader.result.scene[emission.texture]))

@@ -83,9 +83,12 @@ void load_shape(Loader& loader, const Node& node);
 /// A shape element that is none of the kinds below. Where it emits, its emitter is added to the
 /// scene, whose next shape it must become.
 Shape read_shape(Loader& loader, Properties& properties, bool emits);
-/// Refuses a shape with a coordinate beyond kMaxCameraDistance: distances overflow far beyond, and
+/// Refuses a shape with a coordinate beyond kMaxDistance: distances overflow far beyond, and
 /// nothing would be hit. The box must not be empty.
 void require_reach(const Place& place, const Box& box);
+/// Refuses a camera or a light, `what`, that stands further than kMaxDistance from the origin, or
+/// where transforms overflow.
+void require_reach(const Place& place, const char* what, const Vec3<double>& position);
 /// The shapes `instance`, `shapegroup` and `merge`, which hold others.
 bool is_compound(const std::string& type);
 void load_compound(Loader& loader, Properties& properties);

@@ -70,13 +70,7 @@ namespace {
 
 /// Rigid, and within reach.
 Transform checked_camera_transform(const Properties& properties, const Transform& to_world) {
-    const Vec3<double> eye = column_of(to_world, 3);
-    if (!(length(eye) <= kMaxCameraDistance))
-        fail(
-            properties.node->place,
-            fmt::format("the camera is at ({:.6g}, {:.6g}, {:.6g}), expected it within {:g} of the "
-                        "origin",
-                        eye.x, eye.y, eye.z, kMaxCameraDistance));
+    require_reach(properties.node->place, "camera", column_of(to_world, 3));
     return orthonormalised(to_world);
 }
 
@@ -120,7 +114,7 @@ void take_principal_point(Properties& properties, PerspectiveCamera& camera) {
 
 void take_thin_lens(Properties& properties, PerspectiveCamera& camera) {
     take_required(properties, "aperture_radius");
-    constexpr float kLeast = 1e-12f, kMost = static_cast<float>(kMaxCameraDistance);
+    constexpr float kLeast = 1e-12f, kMost = static_cast<float>(kMaxDistance);
     camera.aperture_radius = take_float(properties, "aperture_radius", 0);
     camera.focus_distance =
         take_float(properties, "focus_distance", std::min(camera.far_clip, kMost));
@@ -144,11 +138,11 @@ void take_clipping_planes(Properties& properties, double scale, PerspectiveCamer
         fail(properties.node->place,
              fmt::format("the clipping planes are {} and {}{}, expected 0 < near_clip < far_clip",
                          near, far, scaled));
-    if (!(camera.near_clip <= kMaxCameraDistance))
+    if (!(camera.near_clip <= kMaxDistance))
         fail(
             properties.node->place,
             fmt::format("the near clipping plane is at {}{}, expected it within {:g} of the camera",
-                        near, scaled, kMaxCameraDistance));
+                        near, scaled, kMaxDistance));
 }
 
 /// How far aside of its axis a camera's rays are where it looks 1 far, where they begin and where a
@@ -193,6 +187,13 @@ void require_pixels(const Place& place, const Film& film) {
 }
 
 }  // namespace
+
+void require_reach(const Place& place, const char* what, const Vec3<double>& position) {
+    if (!(length(position) <= kMaxDistance))
+        fail(place, fmt::format("the {} is at ({:.6g}, {:.6g}, {:.6g}), expected it within {:g} of "
+                                "the origin",
+                                what, position.x, position.y, position.z, kMaxDistance));
+}
 
 SceneSensor read_sensor(Loader& loader, const Node& node, std::size_t number) {
     Properties properties = open_properties(loader.document, node);

@@ -276,7 +276,7 @@ EmitterId add_emitter(Scene& scene, Properties& properties, const Shape& shape,
 }  // namespace
 
 void require_reach(const Place& place, const Box& box) {
-    constexpr double kMost = kMaxCameraDistance;
+    constexpr double kMost = kMaxDistance;
     for (const Vec3f& p : {box.low, box.high}) {
         const double x = std::abs(p.x), y = std::abs(p.y), z = std::abs(p.z);
         if (x <= kMost && y <= kMost && z <= kMost) continue;

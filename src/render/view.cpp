@@ -140,7 +140,7 @@ TracedScene through_camera(const TracedScene& view, const Camera& given) {
             "camera_to_world scales, shears or mirrors: expected a rotation and a translation");
     const Camera camera = with_right_angles(given);
     const Matrix& m = camera.camera_to_world;
-    require(length(Vec3<double>{m[3], m[7], m[11]}) <= kMaxCameraDistance,
+    require(length(Vec3<double>{m[3], m[7], m[11]}) <= kMaxDistance,
             "the camera is further than 1e12 from the origin");
     require(std::all_of(camera.lens.coefficients.begin(), camera.lens.coefficients.end(),
                         [](double c) { return std::isfinite(c); }),

@@ -31,7 +31,8 @@ struct Film {
 /// The number of pixels of its image; a double, as is what it is multiplied with.
 inline double pixels_of(const Film& film) { return double{1} * film.crop_width * film.crop_height; }
 
-inline constexpr double kMaxCameraDistance = 1e12;  ///< from the origin: rays overflow far beyond
+/// Of cameras, lights and shapes from the origin: rays overflow far beyond.
+inline constexpr double kMaxDistance = 1e12;
 /// Aside of a camera's axis, of what its rays begin at or pass: squares far beyond overflow.
 inline constexpr double kMaxRayReach = 1e17;
 

@@ -106,6 +106,37 @@ const BadScene kBadScenes[] = {
      "2:1: the direction of the light is 0, expected one to shine along"},
     {"NegativeProjector", "<emitter type='projector'><float name='scale' value='-1'/></emitter>",
      "2:1: \"scale\" is -1, expected no negative value"},
+    {"FarPoint", "<emitter type='point'><point name='position' z='-1e19'/></emitter>",
+     "2:1: the light is at (0, 0, -1e+19), expected it within 1e+12 of the origin"},
+    {"OverflowingPoint",
+     "<emitter type='point'><transform name='to_world'><translate x='1'/><scale value='1e38'/>"
+     "<scale value='1e38'/><scale value='1e38'/><scale value='1e38'/><scale value='1e38'/>"
+     "<scale value='1e38'/><scale value='1e38'/><scale value='1e38'/><scale value='1e38'/>"
+     "</transform></emitter>",
+     "2:1: the light is at (inf, "},
+    {"FarSpot",
+     "<emitter type='spot'><transform name='to_world'><translate x='2e12'/></transform></emitter>",
+     "2:1: the light is at (2e+12, 0, 0), expected it within 1e+12 of the origin"},
+    {"FarProjector",
+     "<emitter type='projector'><transform name='to_world'><translate y='2e12'/></transform>"
+     "</emitter>",
+     "2:1: the light is at (0, 2e+12, 0), expected it within 1e+12 of the origin"},
+    {"BrightDirectional",
+     "<emitter type='directional'><transform name='to_world'><scale value='1e38'/><scale "
+     "value='1e38'/><scale value='1e38'/><scale value='1e38'/><scale value='1e38'/></transform>"
+     "</emitter>",
+     "2:1: \"irradiance\" times the scale of \"to_world\" is (inf, inf, inf), expected finite"},
+    {"BrightProjector",
+     "<emitter type='projector'><transform name='to_world'><scale value='1e38'/><scale "
+     "value='1e38'/><scale value='1e38'/></transform></emitter>",
+     "2:1: \"irradiance\" times \"scale\" and that of \"to_world\" is (inf, inf, inf), expected"},
+    {"BrightSpot",
+     "<emitter type='spot'><rgb name='intensity' value='1e30'/><rgb name='texture' value='1e30'/>"
+     "</emitter>",
+     "2:1: \"intensity\" times \"texture\" is (inf, inf, inf), expected finite numbers"},
+    {"BrightConstant",
+     "<emitter type='constant'><spectrum name='radiance' value='3e38'/></emitter>",
+     "2:1: \"radiance\" is (inf, "},
     {"TexturedConstant",
      "<emitter type='constant'><texture type='checkerboard' name='radiance'/></emitter>",
      "2:26: the parameter \"radiance\" as a texture is not supported yet: expected <rgb>"},
@@ -444,6 +475,21 @@ TEST(BadSceneFiles, ANormalMapOfOneChannelIsRefused) {
     EXPECT_EQ(error_with("bumpmap"), "");
 }
 
+TEST(BadSceneFiles, ASkyBeyondSinglePrecisionIsRefused) {
+    const TemporaryFolder folder;
+    write_image(folder.path / "sky.exr", make_image(4, 2, 3, 1e30f));
+    const auto error_with = [&](const std::string& scale) {
+        return error_of(write_text(folder, "a.xml",
+                                   "<scene version='3.0.0'><emitter type='envmap'><string "
+                                   "name='filename' value='sky.exr'/><float name='scale' value='" +
+                                       scale + "'/></emitter></scene>"));
+    };
+    EXPECT_NE(error_with("1e30").find("a.xml:1:24: the brightest texel times \"scale\" is (inf, "),
+              std::string::npos)
+        << error_with("1e30");
+    EXPECT_EQ(error_with("1e8"), "");
+}
+
 TEST(BadSceneFiles, VerticesFarOutAreWhereTheShapeStands) {
     const TemporaryFolder folder;
     write_text(folder, "far.obj", "v 0 0 0\nv 1e30 0 0\nv 0 1e30 0\nf 1 2 3\n");
@@ -492,7 +538,7 @@ TEST(BadSceneFiles, NamesThatLeadNowhereAreNotOutsideOfTheFolder) {
             write_text(folder, "scene.xml",
                        "<scene version='3.0.0'><shape type='ply'><string name='filename' value='" +
                            name + "'/></shape></scene>");
-        EXPECT_NE(error_of(scene).find("the file \"" + name + "\" does not exist"),
+        EXPECT_NE(error_of(scene).find("the file \"" + name.substr(0, 200) + "\" does not exist"),
                   std::string::npos)
             << error_of(scene);
     }
