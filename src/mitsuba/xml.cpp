@@ -25,6 +25,7 @@ constexpr std::size_t kMaxIncludes = 15;  ///< nested files
 // Of a scene with all that it includes: far more than any has, little enough to give up soon.
 constexpr int kMaxElements = 4'000'000;
 constexpr std::size_t kMaxFiles = 4096, kMaxText = std::size_t{1} << 28;
+constexpr std::size_t kMaxFolders = 64;  ///< of <path>: each file may be looked for in all of them
 
 struct Parser {
     Document document;
@@ -138,8 +139,20 @@ void read_path(Parser& parser, const Node& path) {
     const fs::path folder = resolve_file(parser.document, path.place, attribute(path, "value"));
     if (!fs::is_directory(status_of(folder)))
         fail(path.place,
-             fmt::format("<path> names \"{}\", which is no folder", attribute(path, "value")));
-    parser.document.search_folders.push_back(folder);
+             fmt::format("<path> names \"{:.200}\", which is no folder", attribute(path, "value")));
+    std::vector<fs::path>& folders = parser.document.search_folders;
+    const auto listed = std::find_if(folders.begin(), folders.end(), [&](const fs::path& other) {
+        std::error_code ignored;
+        return fs::equivalent(other, folder, ignored);
+    });
+    if (listed != folders.end()) {
+        std::rotate(listed, listed + 1, folders.end());
+        return;
+    }
+    if (folders.size() == kMaxFolders)
+        fail(path.place, fmt::format("<path> names more than {} folders, expected at most as many",
+                                     kMaxFolders));
+    folders.push_back(folder);
 }
 
 /// Acts on default, include, path and alias; false for every other element.
@@ -304,41 +317,6 @@ Document parse_document(const fs::path& file, const std::map<std::string, std::s
     std::set<const Node*> open, done;
     check_cycles(document, document.root, open, done);
     return document;
-}
-
-namespace {
-
-bool is_inside(const fs::path& path, const fs::path& folder) {
-    const fs::path relative = path.lexically_relative(folder);
-    return !relative.empty() && *relative.begin() != "..";
-}
-
-}  // namespace
-
-fs::path resolve_file(const Document& document, const Place& place, const std::string& name) {
-    if (name.empty() || name.find('\0') != std::string::npos)
-        fail(place, "the file name is empty, expected a file");
-    std::vector<fs::path> folders(document.search_folders.rbegin(), document.search_folders.rend());
-    folders.insert(folders.end(), {document.named_folder, document.top_folder,
-                                   fs::path(place.file).parent_path()});
-    bool any_inside = false;
-    for (const fs::path& folder : folders) {
-        const fs::path candidate = folder / name;
-        if (!is_inside(real_path(candidate), document.top_folder)) continue;
-        any_inside = true;
-        std::error_code error;
-        const fs::path real = fs::canonical(candidate, error);  // none of a loop of links
-        if (!error && is_inside(real, document.top_folder)) return candidate;
-    }
-    if (!any_inside)
-        fail(place,
-             fmt::format(
-                 "the file \"{}\" lies outside the folder of the scene, expected one inside \"{}\"",
-                 name, document.top_folder.string()));
-    fail(place,
-         fmt::format(
-             "the file \"{}\" does not exist, expected it beside \"{}\" or in a <path> folder",
-             name, place.file));
 }
 
 }  // namespace burnish::mitsuba

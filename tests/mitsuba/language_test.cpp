@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <ctime>
 #include <numbers>
 
 #include "image/image.h"
@@ -89,12 +90,33 @@ TEST(Language, TheLastPathIsLookedThroughFirst) {
          std::vector<std::pair<std::string, float>>{{texel("t.exr"), 0.1f},
                                                     {a + texel("t.exr"), 0.2f},
                                                     {a + b + texel("t.exr"), 0.3f},
+                                                    {a + b + a + texel("t.exr"), 0.2f},
                                                     {texel("t.exr") + a, 0.2f},
                                                     {"<include filename='c/t.xml'/>", 0.1f},
                                                     {"<include filename='c/own.xml'/>", 0.5f}}) {
         const Scene scene = load_text(folder, kLight + text).scene;
         EXPECT_EQ(linear_image(std::get<Bitmap>(scene.textures.at(0))).values.at(0), value) << text;
     }
+}
+
+/// Under any of its names.
+TEST(Language, AFolderIsLookedThroughOnceAndFewAreNamed) {
+    const TemporaryFolder folder;
+    std::filesystem::create_directory(folder.path / "0");
+    std::filesystem::create_directory_symlink("0", folder.path / "link");
+    std::string paths;
+    for (int i = 0; i < 300; ++i)
+        paths += "<path value='.'/><path value='0'/><path value='0/../link/.'/>";
+    const std::clock_t begin = std::clock();
+    EXPECT_EQ(load_text(folder, kLight + paths).scene.emitters.size(), 1u);
+    EXPECT_LT(std::clock() - begin, CLOCKS_PER_SEC);
+    paths = "<path value='.'/>";
+    for (int i = 0; i < 64; ++i) {
+        std::filesystem::create_directories(folder.path / std::to_string(i));
+        paths += "<path value='" + std::to_string(i) + "'/>";
+    }
+    const std::string error = test::error_of([&] { load_text(folder, kLight + paths); });
+    EXPECT_NE(error.find("<path> names more than 64 folders"), std::string::npos) << error;
 }
 
 /// As in Mitsuba 3.9.1.
