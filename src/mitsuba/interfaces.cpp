@@ -1,6 +1,7 @@
 // BSDFs of smooth and rough interfaces: conductors, plastics and dielectrics.
 #include <fmt/format.h>
 
+#include "core/positive_float.h"
 #include "mitsuba/bsdf_reader.h"
 #include "mitsuba/indices.h"
 #include "shading/rough_plastic.h"
@@ -41,8 +42,12 @@ FacetRoughness take_roughness(BsdfReader& reader, int place) {
 
 /// int_ior / ext_ior.
 float take_relative_index(Properties& properties, const char* inside) {
-    return static_cast<float>(take_dielectric_index(properties, "int_ior", inside) /
-                              take_dielectric_index(properties, "ext_ior", "air"));
+    const double index = take_dielectric_index(properties, "int_ior", inside) /
+                         take_dielectric_index(properties, "ext_ior", "air");
+    if (!is_positive_float(index))
+        fail(properties.node->place,
+             fmt::format("\"int_ior\" / \"ext_ior\" is {:g}, expected {}", index, kPositiveFloat));
+    return static_cast<float>(index);
 }
 
 void require_two_indices(const Properties& properties, float eta) {

@@ -239,6 +239,12 @@ TEST(InterfaceScenes, BadOnesAreRefusedWithTheirPlace) {
     expect("<bsdf type='plastic'><float name='int_ior' value='-1'/></bsdf>",
            "\"int_ior\" is -1, expected a number above 0");
     expect("<bsdf type='plastic'><string name='int_ior' value='air'/></bsdf>", "are the same");
+    for (const char* type : {"plastic", "roughplastic", "dielectric", "roughdielectric"})
+        for (const auto& [inside, outside] :
+             {std::pair{"3e38", "1e-3"}, std::pair{"1e-30", "1e30"}, std::pair{"1e30", "1e-300"}})
+            expect("<bsdf type='" + std::string(type) + "'><float name='int_ior' value='" + inside +
+                       "'/><float name='ext_ior' value='" + outside + "'/></bsdf>",
+                   "\"int_ior\" / \"ext_ior\" is ");
     for (const char* alpha : {"-1", "12"})
         expect("<bsdf type='roughplastic'><float name='alpha' value='" + std::string(alpha) +
                    "'/></bsdf>",
