@@ -182,23 +182,6 @@ std::optional<std::filesystem::path> named_file(const Document& document, const 
     }
 }
 
-/// Numbers, colours, words and transforms: in Mitsuba 3 they have no ids, and no <ref> means one.
-bool is_value(const Node& node) {
-    static const std::set<std::string> kValues{"float", "integer", "boolean", "string",   "rgb",
-                                               "srgb",  "point",   "vector",  "transform"};
-    return kValues.count(node.tag) > 0 ||
-           (node.tag == "spectrum" && attribute(node, "type").empty());
-}
-
-/// Bytes, about.
-std::size_t size_of(const Node& node) {
-    std::size_t size = sizeof(Node);
-    for (const auto& [key, value] : node.attributes)
-        size += sizeof(std::pair<std::string, std::string>) + value.size();
-    for (const Node& child : node.children) size += size_of(child);
-    return size;
-}
-
 /// What stands in the place of a reference to a value.
 Node value_at(const Node& ref, const Node& target) {
     Node value = target;
@@ -230,16 +213,12 @@ void write_linear(Node& srgb) {
 /// References name the id that their target was given, not an alias; a value takes their place.
 /// copied: bytes of such values so far.
 void resolve_reference(const Document& document, Node& ref, std::size_t& copied) {
-    constexpr std::size_t kMaxCopied = std::size_t{1} << 30;
     const Node& target = resolve_ref(document, ref);
     if (!is_value(target)) {
         *find_attribute(ref, "id") = attribute(target, "id");
         return;
     }
-    copied += size_of(target);
-    if (copied > kMaxCopied)
-        fail(ref.place,
-             fmt::format("the values that references mean hold more than {} bytes", kMaxCopied));
+    add_referred(copied, ref, target);
     ref = value_at(ref, target);
 }
 

@@ -45,6 +45,29 @@ Node make_value(const std::string& tag, const std::string& name, const std::stri
     return {tag, {{"name", name}, {"value", value}}, {}, place, kNew};
 }
 
+bool is_value(const Node& node) {
+    static const std::set<std::string> kValues{"float", "integer", "boolean", "string",   "rgb",
+                                               "srgb",  "point",   "vector",  "transform"};
+    return kValues.count(node.tag) > 0 ||
+           (node.tag == "spectrum" && attribute(node, "type").empty());
+}
+
+std::size_t size_of(const Node& node) {
+    std::size_t size = sizeof(Node);
+    for (const auto& [key, value] : node.attributes)
+        size += sizeof(std::pair<std::string, std::string>) + value.size();
+    for (const Node& child : node.children) size += size_of(child);
+    return size;
+}
+
+void add_referred(std::size_t& bytes, const Node& ref, const Node& target) {
+    constexpr std::size_t kMost = std::size_t{1} << 28;
+    bytes += size_of(target);
+    if (bytes > kMost)
+        fail(ref.place,
+             fmt::format("the values that references mean hold more than {} bytes", kMost));
+}
+
 void drop_children(Node& node, const std::set<std::string>& names) {
     std::erase_if(node.children,
                   [&](const Node& n) { return names.count(attribute(n, "name")) > 0; });

@@ -1,6 +1,7 @@
 // An element of a scene file, and errors that name its place.
 #pragma once
 
+#include <cstddef>
 #include <set>
 #include <string>
 #include <utility>
@@ -50,6 +51,13 @@ std::string id_or(const Node& node, std::string fallback);
 /// An element <tag name="..." value="..."/> that no file held.
 Node make_value(const std::string& tag, const std::string& name, const std::string& value,
                 const Place& place = {});
+/// Numbers, colours, words and transforms: in Mitsuba 3 they have no ids, and no <ref> means one.
+bool is_value(const Node& node);
+/// Bytes, about, with all that is inside.
+std::size_t size_of(const Node& node);
+/// Adds the bytes of what a reference means to those of others, which are read or copied for each.
+/// Throws InputError where they are more than any scene has.
+void add_referred(std::size_t& bytes, const Node& ref, const Node& target);
 /// Removes the children of these names.
 void drop_children(Node& node, const std::set<std::string>& names);
 

@@ -48,11 +48,12 @@ void expect_tag(const Property& property, std::initializer_list<const char*> tag
                                            property.name, property.node->tag, *tags.begin()));
 }
 
-Properties open_properties(const Document& document, const Node& node) {
+Properties open_properties(Document& document, const Node& node) {
     Properties properties{&node, attribute(node, "type"), {}};
     std::unordered_map<std::string_view, const Node*> sites;  // of what has a name
     for (const Node& child : node.children) {
         const Node& target = target_of(document, child);
+        if (child.tag == "ref" && is_value(target)) add_referred(document.referred, child, target);
         const std::string& name = attribute(child, "name");
         if (!name.empty())
             if (const auto [other, is_new] = sites.try_emplace(name, &child); !is_new)

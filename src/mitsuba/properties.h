@@ -26,8 +26,9 @@ struct Properties {
     std::vector<Property> all;
 };
 
-/// Throws InputError: a parameter given twice, an unknown id.
-Properties open_properties(const Document& document, const Node& node);
+/// Counts the values that references mean. Throws InputError: a parameter given twice, an unknown
+/// id, see add_referred.
+Properties open_properties(Document& document, const Node& node);
 
 /// Throws InputError unless the property is one of the tags, of which the first is said to be
 /// expected.

@@ -105,8 +105,9 @@ std::vector<Sample> parse_pairs(const std::string& text, const Place& place) {
 }
 
 double value_at(const std::vector<Sample>& samples, double wavelength) {
-    const auto after = std::find_if(samples.begin(), samples.end(),
-                                    [&](const Sample& s) { return s.wavelength >= wavelength; });
+    const auto after =
+        std::lower_bound(samples.begin(), samples.end(), wavelength,
+                         [](const Sample& s, double value) { return s.wavelength < value; });
     if (after == samples.end()) return 0;
     if (after == samples.begin()) return after->wavelength == wavelength ? after->value : 0;
     const Sample &a = after[-1], &b = *after;

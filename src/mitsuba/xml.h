@@ -20,6 +20,7 @@ struct Document {
     std::filesystem::path named_folder;  ///< the same as the scene was named, behind a link another
     std::vector<std::filesystem::path> search_folders;  ///< <path>, in order
     std::vector<std::string> notes, warnings;
+    std::size_t referred = 0;  ///< bytes of the values that references meant, as often as read
 };
 
 /// Reads a scene and its includes. `definitions` win over <default>. Throws InputError: malformed

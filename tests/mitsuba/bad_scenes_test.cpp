@@ -592,6 +592,24 @@ TEST(BadSceneFiles, MergesThatHoldOthersTwiceAreRefused) {
     }
 }
 
+/// A value is read for each reference, so it counts before what follows is read.
+TEST(BadSceneFiles, ReferencesToMuchTextAreBounded) {
+    const TemporaryFolder folder;
+    std::string spheres;
+    for (int i = 0; i < 300; ++i) spheres += "<shape type='sphere'><ref id='v' name='q'/></shape>";
+    const auto error_with = [&](std::size_t bytes) {
+        return error_of(write_text(folder, "a.xml",
+                                   "<scene version='3.0.0'>" + spheres +
+                                       "<shape type='blob'/><string id='v' name='v' value='" +
+                                       std::string(bytes, 'x') + "'/></scene>"));
+    };
+    const std::string error = error_with(1'000'000);
+    EXPECT_NE(error.find("the values that references mean hold more than 268435456 bytes"),
+              std::string::npos)
+        << error;
+    EXPECT_NE(error_with(100'000).find("unknown shape \"blob\""), std::string::npos);
+}
+
 /// Names are looked up among all children: 2 10^10 comparisons one by one.
 TEST(BadSceneFiles, ManyShapesOfAMergeAreReadSoon) {
     const TemporaryFolder folder;
