@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <map>
 #include <string>
+#include <unordered_set>
 #include <vector>
 
 #include "mitsuba/loaded_scene.h"
@@ -57,6 +58,8 @@ struct Loader {
     int bsdfs_inside = 0;     ///< the bsdf that is being read, itself among them
     int shapes = 0;           ///< seen so far, for made-up ids
     std::size_t members = 0;  ///< shapes inside of others, read so far
+    std::unordered_set<const Node*> shapes_read;
+    std::size_t read_again = 0;  ///< bytes of shapes that several hold, but for the first reading
 };
 
 void log_warning(Loader& loader, const Place& place, const std::string& text);

@@ -194,6 +194,22 @@ MaterialId take_material(Loader& loader, Properties& properties, const std::stri
     return add_diffuse(loader.result.scene, id, is_black ? 0.0f : 0.5f);
 }
 
+/// A shape is read, with its file, for each that holds it, and few bytes can name it many times.
+void count_reading(Loader& loader, const Node& node, const Shape& shape) {
+    constexpr std::size_t kMost = std::size_t{1} << 29;
+    constexpr std::size_t kLeast = 4096;  // the smallest takes time, too
+    if (loader.shapes_read.insert(&node).second) return;
+    loader.read_again += kLeast + size_of(node);
+    if (const Mesh* mesh = mesh_of(shape.geometry))
+        loader.read_again += (mesh->positions.size() + mesh->normals.size()) * sizeof(Vec3f) +
+                             mesh->uvs.size() * sizeof(Vec2f) +
+                             mesh->triangles.size() * sizeof(Triangle);
+    if (loader.read_again > kMost)
+        fail(node.place, fmt::format("shape \"{}\" is read again for each that holds it: such "
+                                     "shapes take more than {} bytes, expected at most as many",
+                                     shape.id, kMost));
+}
+
 /// Materials and emitters that read mesh attributes are built anew for each shape.
 void forget_attributes_of(Loader& loader, const Properties& properties) {
     for (const Property& property : properties.all)
@@ -297,6 +313,7 @@ Shape read_shape(Loader& loader, Properties& properties, bool emits) {
         fail_no_inverse(properties);
     }
     require_geometry_reach(properties.node->place, shape.geometry);
+    count_reading(loader, *properties.node, shape);
     if (const Mesh* mesh = mesh_of(shape.geometry); mesh && !loader.attributes.attributes.empty())
         loader.attributes.mesh = *mesh;
     refuse_media(loader, properties);
