@@ -51,15 +51,29 @@ void on_message(j_common_ptr common, int level) {
     errors->damaged = true;
 }
 
+std::size_t blocks_of(const jpeg_component_info& component) {
+    return std::size_t{component.width_in_blocks} * component.height_in_blocks;
+}
+
+/// Each scan of a progressive file may go over all blocks. Sound files hold some ten scans, which
+/// the largest picture may have, too.
+std::size_t most_scans(const jpeg_decompress_struct& jpeg) {
+    constexpr std::size_t kMost = 500, kMostBlocks = std::size_t{1} << 27;  // of all scans
+    std::size_t blocks = 0;
+    for (int c = 0; c < jpeg.num_components; ++c) blocks += blocks_of(jpeg.comp_info[c]);
+    return std::min(kMost, kMostBlocks / std::max<std::size_t>(1, blocks));
+}
+
 /// All scans of a progressive file are read before the first row. A file of few bytes may hold
-/// thousands, each of which goes over all pixels; sound ones hold some ten.
+/// thousands.
 void on_progress(j_common_ptr common) {
-    constexpr int kMaxScans = 500;
     auto* errors = reinterpret_cast<JpegErrors*>(common->err);
-    const int scans = reinterpret_cast<j_decompress_ptr>(common)->input_scan_number;
-    if (scans > kMaxScans && !errors->damaged) {
-        std::snprintf(errors->message, sizeof errors->message, "found more than %d scans",
-                      kMaxScans);
+    const auto& jpeg = *reinterpret_cast<j_decompress_ptr>(common);
+    const std::size_t most = most_scans(jpeg);
+    if (static_cast<std::size_t>(jpeg.input_scan_number) > most && !errors->damaged) {
+        std::snprintf(errors->message, sizeof errors->message,
+                      "found more than %zu scans of %u x %u pixels", most, jpeg.image_width,
+                      jpeg.image_height);
         errors->damaged = true;
     }
     if (errors->damaged) std::longjmp(errors->jump, 1);
@@ -98,8 +112,7 @@ void require_bytes(const std::string& name, const jpeg_decompress_struct& jpeg, 
     if (jpeg.arith_code) return;
     std::size_t blocks = 0;  // of the component that has most of them
     for (int c = 0; c < jpeg.num_components; ++c)
-        blocks = std::max(blocks, std::size_t{jpeg.comp_info[c].width_in_blocks} *
-                                      jpeg.comp_info[c].height_in_blocks);
+        blocks = std::max(blocks, blocks_of(jpeg.comp_info[c]));
     const std::size_t least = blocks / 8;
     if (least > found)
         formats::fail(name, "JPEG",

@@ -354,18 +354,33 @@ TEST_F(DamagedImages, SizesBeyondWhatAJpegCanHoldAreRefused) {
     }
 }
 
-/// Each scan goes over all pixels, whatever its bytes are.
-TEST_F(DamagedImages, AProgressiveJpegOfThousandsOfScansIsRefused) {
-    const std::string jpeg = make_jpeg(smooth_image(16, 16, 1), 1, true), mark = "\xff\xda";
+/// A progressive JPEG whose second scan, of one component, comes so often.
+std::string with_scans(const std::string& jpeg, int count) {
+    const std::string mark = "\xff\xda";
     const std::size_t first = jpeg.find(mark), begin = jpeg.find(mark, first + 2),
                       end = jpeg.find(mark, begin + 2);
-    ASSERT_NE(end, std::string::npos);
+    EXPECT_NE(end, std::string::npos);
     std::string scan = jpeg.substr(begin, end - begin);
     scan[9] = 0;  // of whole coefficients: as often as one likes
     std::string scans;
-    for (int i = 0; i < 2000; ++i) scans += scan;
-    const std::string text = error_of(jpeg.substr(0, begin) + scans + "\xff\xd9");
-    EXPECT_NE(text.find("found more than 500 scans"), std::string::npos) << text;
+    for (int i = 0; i < count; ++i) scans += scan;
+    return jpeg.substr(0, begin) + scans + "\xff\xd9";
+}
+
+/// Each scan goes over all pixels, whatever its bytes are.
+TEST_F(DamagedImages, AProgressiveJpegOfThousandsOfScansIsRefused) {
+    const std::string text =
+        error_of(with_scans(make_jpeg(smooth_image(16, 16, 1), 1, true), 2000));
+    EXPECT_NE(text.find("found more than 500 scans of 16 x 16 pixels"), std::string::npos) << text;
+}
+
+/// As many blocks in all as any picture has with some ten scans.
+TEST_F(DamagedImages, ALargeJpegMayHaveFewerScans) {
+    const std::string jpeg = make_jpeg(make_image(4096, 8192, 1, 0.5f), 1, true);
+    const std::string text = error_of(with_scans(jpeg, 400));
+    EXPECT_NE(text.find("found more than 256 scans of 4096 x 8192 pixels"), std::string::npos)
+        << text;
+    EXPECT_EQ(error_of(with_scans(jpeg, 15)), "");
 }
 
 /// Of one grey, in as few bytes as there can be.
