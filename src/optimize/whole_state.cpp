@@ -1,7 +1,10 @@
 #include "optimize/whole_state.h"
 
+#include <fmt/format.h>
+
 #include <exception>
 
+#include "image/whole.h"
 #include "optimize/iterate.h"
 #include "optimize/owners.h"
 #include "optimize/pieces.h"
@@ -207,6 +210,17 @@ void read_cache(ArchiveReader& archive, const IndexRange& bands, PathCacheState&
     }
 }
 
+/// Before rows are taken of what a file holds.
+void require_whole(const ArchiveReader& archive, const Background& background) {
+    const Image& mean = background.mean;
+    if (mean.width == 0) return;  // none has been made
+    if (mean.channels != 3 || !is_whole(mean) || background.counts.size() * 3 != mean.values.size())
+        archive.fail(
+            fmt::format("a background of {} x {} x {} with {} values and {} counts", mean.width,
+                        mean.height, mean.channels, mean.values.size(), background.counts.size()),
+            "a count for each pixel of three values");
+}
+
 /// As the fields of ViewState, of which a process keeps what is its own.
 ViewState read_view(ArchiveReader& archive, const Ranks& ranks, std::size_t which,
                     std::size_t views) {
@@ -222,8 +236,10 @@ ViewState read_view(ArchiveReader& archive, const Ranks& ranks, std::size_t whic
     archive(view.backgrounds, view.exposure);
     if (bands.empty()) return {};
     if (bands != kAllBands)
-        for (Background& b : view.backgrounds)
+        for (Background& b : view.backgrounds) {
+            require_whole(archive, b);
             b = rows_of(b, items_of(bands, static_cast<std::size_t>(b.mean.height)));
+        }
     return view;
 }
 

@@ -231,5 +231,31 @@ TEST_F(SharedViewsAndCheckpoints, AProcessKeepsItsBandsOfAState) {
     });
 }
 
+TEST(SharedViews, ABackgroundThatIsNotWholeIsRefused) {
+    const auto error_with = [](const Background& background) {
+        State::Values state, read;
+        state.views.resize(1);
+        state.views[0].estimator = PathCacheState{};
+        state.views[0].backgrounds = {background};
+        const std::string bytes = test::archive_of(state);
+        const Ranks ranks{1, 2, {}};
+        OwnState own{read, ranks};
+        return test::error_of<Error>([&] { reader_of(bytes)(own); });
+    };
+    const Background whole{make_image(4, 8, 3, 0.5f), std::vector<std::uint32_t>(32, 1), 1};
+    EXPECT_EQ(error_with(whole), "");
+    EXPECT_EQ(error_with({}), "");
+    Background few_counts = whole, few_values = whole, gray = whole, high = whole, below = whole;
+    few_counts.counts.resize(3);
+    few_values.mean.values.resize(3), few_values.counts.resize(1);
+    gray.mean = make_image(4, 8, 1, 0.5f);
+    high.mean.height = 1 << 30;
+    below.mean.width = below.mean.height = -4;
+    for (const Background& background : {few_counts, few_values, gray, high, below})
+        EXPECT_NE(error_with(background).find("expected a count for each pixel of three values"),
+                  std::string::npos)
+            << error_with(background);
+}
+
 }  // namespace
 }  // namespace burnish
