@@ -262,8 +262,12 @@ void add_node(const Value& index, const Transform& parent, int depth, Reader& re
         const Value mesh = entry(reader.glb, "meshes", member(node, "mesh"));
         if (!has_inverse(to_world)) fail(node, "a transform that has an inverse");
         note_unread(node, reader);
+        const std::size_t first = reader.file.mesh.positions.size();
         for (std::size_t i = 0; i < count_of(mesh, "primitives"); ++i)
             add_primitive(mesh, i, to_world, reader);
+        if (find_far_vertex(reader.file.mesh, first) < reader.file.mesh.positions.size())
+            fail(node,
+                 fmt::format("vertices within {:g} of the origin: scale the mesh", kMaxMeshReach));
     }
     for (std::size_t i = 0; i < count_of(node, "children"); ++i)
         add_node(element(member(node, "children"), i), to_world, depth + 1, reader);

@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
+
 #include "burnish/error.h"
 #include "image/files.h"
 #include "mitsuba/mesh.h"
@@ -44,8 +46,25 @@ std::string note_of_materials(std::size_t count) {
     return fmt::format("its {} materials become one, which shares one set of textures", count);
 }
 
+std::size_t find_far_vertex(const Mesh& mesh, std::size_t begin) {
+    const auto is_far = [](float x) { return !(std::abs(x) <= kMaxMeshReach); };
+    while (begin < mesh.positions.size()) {
+        const Vec3f& p = mesh.positions[begin];
+        if (is_far(p.x) || is_far(p.y) || is_far(p.z)) break;
+        ++begin;
+    }
+    return begin;
+}
+
 FoundMesh read_mesh(const std::filesystem::path& file) {
     FoundMesh read = read_any(file);
+    if (const std::size_t far = find_far_vertex(read.mesh); far < read.mesh.positions.size()) {
+        const Vec3f& p = read.mesh.positions[far];
+        throw InputError(
+            fmt::format("{}: a vertex is at ({:.6g}, {:.6g}, {:.6g}), expected it "
+                        "within {:g} of the origin: scale the mesh",
+                        file.string(), p.x, p.y, p.z, kMaxMeshReach));
+    }
     if (const std::size_t count = mitsuba::fill_zero_normals(read.mesh))
         read.notes.push_back(mitsuba::zero_normals_text(count));
     read.mesh = mitsuba::finish_mesh(std::move(read.mesh), {});

@@ -274,6 +274,10 @@ NewSceneReport write_new_scene(const NewScene& scene, const fs::path& folder) {
             "Blender: Edit Mode, A, U, Smart UV Project) and export it again",
             scene.mesh.string()));
     const MeshCheck check = check_mesh(file.mesh, std::min(scene.texture_size, 1024));
+    if (!(radius_of(check) > 0))
+        throw InputError(
+            fmt::format("{}: all vertices are at one place, expected a mesh of some size",
+                        scene.mesh.string()));
     const std::string name = plain_name(scene.mesh);
     write_files(scene, name, file, check, output.unfinished);
     const LoadedScene loaded = load_scene(output.unfinished / "scene.xml");

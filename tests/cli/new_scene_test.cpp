@@ -736,6 +736,9 @@ TEST_F(NewSceneTest, WritesIntoAFolderThatIsThere) {
 
 TEST_F(NewSceneTest, RefusesWhatItCannotUseAndLeavesNothing) {
     write_text(folder / "bare.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+    const std::string faces = "vt 0 0\nf 1/1 2/1 3/1\n";
+    write_text(folder / "far.obj", "v 0 0 0\nv 9e11 0 0\nv 0 1 0\n" + faces);
+    write_text(folder / "point.obj", "v 1 1 1\nv 1 1 1\nv 1 1 1\n" + faces);
     write_text(folder / "model.fbx", "x");
     write_text(folder / "model.gltf", "{}");
     write_text(folder / "bad.hdr", "damaged\n");
@@ -743,6 +746,9 @@ TEST_F(NewSceneTest, RefusesWhatItCannotUseAndLeavesNothing) {
     write_text(folder / "full/notes.txt", "mine");
     const std::pair<std::string, std::string> cases[] = {
         {"--mesh bare.obj -o out", "bare.obj: found no texture coordinates"},
+        {"--mesh far.obj -o out",
+         "burnish: far.obj: a vertex is at (9e+11, 0, 0), expected it within 1e+11 of the origin"},
+        {"--mesh point.obj -o out", "burnish: point.obj: all vertices are at one place"},
         {"--mesh model.fbx -o out", "expected a mesh: .obj, .ply or .glb"},
         {"--mesh model.gltf -o out", "export it as .glb"},
         {"--mesh missing.obj -o out", "missing.obj"},
@@ -933,6 +939,14 @@ TEST_F(NewSceneTest, SaysWhatAGlbLacks) {
     for (const auto& [place, value, text] : cases)
         EXPECT_TRUE(contains(changed(place, value), text))
             << place << ": " << changed(place, value);
+    Document far = right;
+    far["nodes"][0]["scale"] = {1e6, 1e6, 1e6};
+    EXPECT_EQ(complaint(far), "");
+    far["nodes"][1]["scale"] = {1e6, 1e6, 1e6};
+    EXPECT_TRUE(contains(complaint(far), "model.glb: nodes[1]: found {")) << complaint(far);
+    EXPECT_TRUE(contains(complaint(far), "expected vertices within 1e+11 of the origin"));
+    far["nodes"][1]["scale"] = {1e40, 1e40, 1e40};
+    EXPECT_TRUE(contains(complaint(far), "expected vertices within 1e+11 of the origin"));
     std::string data = Gltf().data.bytes;
     const float nan = std::nanf("");
     std::memcpy(data.data() + 8, &nan, 4);
