@@ -66,6 +66,41 @@ Span span_of(const UvTriangle& t, double y) {
     return span;
 }
 
+/// Of a texel that a triangle covers. below_two: how many texels have such a count.
+void raise(unsigned char& count, std::size_t& below_two) {
+    if (count < 2 && ++count == 2) --below_two;
+}
+
+/// The triangle in texels.
+void add_triangle(const UvTriangle& t, UvCovers& covers, std::size_t& below_two) {
+    if (!(twice_area(t[0], t[1], t[2]) > 0)) return;
+    const int width = covers.width, height = covers.height;
+    const auto wrapped = [](int i, int size) { return ((i % size) + size) % size; };
+    const auto [x0, x1] = std::minmax({t[0].x, t[1].x, t[2].x});
+    const auto [y0, y1] = std::minmax({t[0].y, t[1].y, t[2].y});
+    constexpr double kMost = 1e9;  // of numbers of texels
+    if (!(y1 - y0 <= 2 * height && -x0 < kMost && x1 < kMost && -y0 < kMost && y1 < kMost)) {
+        for (unsigned char& count : covers.count) raise(count, below_two);
+        return;
+    }
+    const int top = static_cast<int>(std::ceil(y0 - 0.5));
+    for (int y = top; y + 0.5 <= y1; ++y) {
+        const Span span = span_of(t, y + 0.5);
+        const int first = static_cast<int>(std::floor(std::clamp(span.low - 1, x0, x1)));
+        int last = static_cast<int>(std::floor(std::clamp(span.high + 1, x0, x1)));
+        last = std::min(last, first + 2 * width + 3);  // by then each column is covered twice
+        unsigned char* const row =
+            covers.count.data() +
+            static_cast<std::size_t>(width) * static_cast<std::size_t>(wrapped(y, height));
+        for (int x = first, column = wrapped(first, width); x <= last; ++x) {
+            const bool inside = y0 < y + 0.5 && y + 0.5 < y1 &&  // an edge there has one owner
+                                x > span.low + 1 && x + 1 < span.high - 1;
+            if (inside || contains(t, {x + 0.5, y + 0.5})) raise(row[column], below_two);
+            if (++column == width) column = 0;
+        }
+    }
+}
+
 /// A number for each place: vertices are apart where texture coordinates or normals differ.
 std::vector<std::uint32_t> places_of(const Mesh& mesh) {
     std::map<std::tuple<float, float, float>, std::uint32_t> known;
@@ -144,31 +179,12 @@ UvCovers make_covers(int width, int height) {
 }
 
 void add_covers(const Mesh& mesh, const UvTransform& to_uv, UvCovers& covers) {
-    const int width = covers.width, height = covers.height;
-    const auto wrapped = [](int i, int size) { return ((i % size) + size) % size; };
+    auto below_two =
+        static_cast<std::size_t>(std::ranges::count_if(covers.count, [](auto c) { return c < 2; }));
     for (const Triangle& triangle : mesh.triangles) {
-        const UvTriangle t = uv_triangle(mesh, triangle, to_uv, width, height);
-        const auto [x0, x1] = std::minmax({t[0].x, t[1].x, t[2].x});
-        const auto [y0, y1] = std::minmax({t[0].y, t[1].y, t[2].y});
-        // What repeats more often covers everything anyhow.
-        if (!(x1 - x0 <= 2 * width && y1 - y0 <= 2 * height && std::abs(x0) < 1e6 &&
-              std::abs(y0) < 1e6))
-            continue;
-        const int top = static_cast<int>(std::ceil(y0 - 0.5));
-        for (int y = top; y + 0.5 <= y1; ++y) {
-            const Span span = span_of(t, y + 0.5);
-            const int first = static_cast<int>(std::floor(std::clamp(span.low - 1, x0, x1)));
-            const int last = static_cast<int>(std::floor(std::clamp(span.high + 1, x0, x1)));
-            unsigned char* const row =
-                covers.count.data() +
-                static_cast<std::size_t>(width) * static_cast<std::size_t>(wrapped(y, height));
-            for (int x = first, column = wrapped(first, width); x <= last; ++x) {
-                const bool inside = y0 < y + 0.5 && y + 0.5 < y1 &&  // an edge there has one owner
-                                    x > span.low + 1 && x + 1 < span.high - 1;
-                if ((inside || contains(t, {x + 0.5, y + 0.5})) && row[column] < 2) ++row[column];
-                if (++column == width) column = 0;
-            }
-        }
+        if (below_two == 0) return;
+        add_triangle(uv_triangle(mesh, triangle, to_uv, covers.width, covers.height), covers,
+                     below_two);
     }
 }
 

@@ -29,7 +29,8 @@ struct UvCovers {
     std::vector<unsigned char> count = {};  ///< [height, width]
 };
 UvCovers make_covers(int width, int height);
-/// mesh: with texture coordinates.
+/// mesh: with texture coordinates. A triangle that reaches over more than two repetitions of the
+/// texture from top to bottom counts as one that covers all of it, whatever its width.
 void add_covers(const Mesh& mesh, const UvTransform& to_uv, UvCovers& covers);
 /// Shares of the texels that are covered, and of these those that several triangles cover.
 struct CoveredShares {

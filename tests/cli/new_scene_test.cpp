@@ -7,6 +7,7 @@
 
 #include <cmath>
 #include <cstring>
+#include <ctime>
 #include <nlohmann/json.hpp>
 #include <random>
 
@@ -828,6 +829,51 @@ TEST(MeshCheck, CoversAreThoseOfEachTexelsCentre) {
             }
         EXPECT_EQ(covers.count, expected.count) << round;
     }
+}
+
+/// However often across.
+TEST(MeshCheck, TrianglesMayRepeatTheTexture) {
+    constexpr int kWidth = 11, kHeight = 7, kMost = 6;
+    std::mt19937 random(4);
+    std::uniform_real_distribution<float> across(-kMost, kMost), along(-0.5f, 1.4f);
+    for (int round = 0; round < 300; ++round) {
+        Mesh mesh;
+        mesh.triangles = {{{0, 1, 2}}};
+        for (int i = 0; i < 3; ++i) mesh.uvs.push_back({across(random), along(random)});
+        UvCovers covers = make_covers(kWidth, kHeight), expected = covers;
+        add_covers(mesh, {}, covers);
+        for (int y = -kHeight; y < 2 * kHeight; ++y)
+            for (int x = -kMost * kWidth; x < kMost * kWidth; ++x) {
+                const int texel = (y + kHeight) % kHeight * kWidth + (x + kMost * kWidth) % kWidth;
+                auto& count = expected.count[static_cast<std::size_t>(texel)];
+                count += count < 2 &&
+                         lies_within(mesh, mesh.triangles[0], x + 0.5, y + 0.5, kWidth, kHeight);
+            }
+        EXPECT_EQ(covers.count, expected.count) << round;
+    }
+    for (const float times : {3.0f, 1e3f, 1e9f, 1e30f}) {
+        Mesh square;
+        square.uvs = {{0, 0}, {times, 0}, {times, times}, {0, times}};
+        square.triangles = {{{0, 1, 2}}, {{0, 2, 3}}};
+        UvCovers covers = make_covers(kWidth, kHeight);
+        add_covers(square, {}, covers);
+        EXPECT_EQ(covers.count, std::vector<unsigned char>(kWidth * kHeight, 2)) << times;
+    }
+}
+
+/// 10^11 texels.
+TEST(MeshCheck, FacesThatEachFillTheTextureAreCountedSoon) {
+    Mesh mesh;
+    mesh.uvs = {{0, 0}, {1, 0}, {1, 1}, {0, 1}};
+    for (int i = 0; i < 100'000; ++i) {
+        mesh.triangles.push_back({{0, 1, 2}});
+        mesh.triangles.push_back({{0, 2, 3}});
+    }
+    UvCovers covers = make_covers(1024, 1024);
+    const std::clock_t begin = std::clock();
+    add_covers(mesh, {}, covers);
+    EXPECT_LT(std::clock() - begin, 5 * CLOCKS_PER_SEC);
+    EXPECT_EQ(shares_of(covers).overlapping, 1);
 }
 
 /// An edge along a row of centres belongs to one of its triangles; one of no height covers nothing.
