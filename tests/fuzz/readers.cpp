@@ -3,6 +3,7 @@
 #include <zlib.h>
 
 #include <algorithm>
+#include <array>
 #include <cstring>
 #include <fstream>
 #include <string>
@@ -11,7 +12,9 @@
 #include "burnish/photograph.h"
 #include "captures/capture.h"
 #include "captures/colmap_model.h"
+#include "captures/pictures.h"
 #include "captures/views_transforms.h"
+#include "cli/batch_jobs.h"
 #include "cli/mesh_file.h"
 #include "cli/options_file.h"
 #include "core/hash.h"
@@ -39,6 +42,37 @@ void read_state(const fs::path& file) {
     std::memcpy(bytes.data() + kSize, &size, sizeof size);
     std::memcpy(bytes.data() + kHash, &hash, sizeof hash);
     load_state(bytes);
+}
+
+/// The bytes are the sizes of two sections of a checkpoint, and three sections: behind a header
+/// whose sizes and hashes fit. One of two processes reads it, too.
+void read_checkpoint_sections(const fs::path& file) {
+    constexpr std::size_t kSections = 16;  // offset of their sizes: docs/reference/checkpoint.md
+    static const std::string start =
+        test::bytes_of(fs::path(BURNISH_FUZZ_CORPUS) / "checkpoint/whole.burnish")
+            .substr(0, kSections);
+    const std::string given = test::bytes_of(file);
+    std::array<std::uint32_t, 2> sizes{};
+    std::memcpy(sizes.data(), given.data(), std::min(given.size(), sizeof sizes));
+    std::string_view left = std::string_view(given).substr(std::min(given.size(), sizeof sizes));
+    std::string header = start, sections;
+    const auto add = [](std::string& to, std::uint64_t number) {
+        to.append(reinterpret_cast<const char*>(&number), sizeof number);
+    };
+    for (std::size_t i = 0; i < 3; ++i) {
+        const std::string_view section = left.substr(0, i < 2 ? sizes[i] : left.size());
+        left.remove_prefix(section.size());
+        add(header, section.size()), add(header, hash_of(section));
+        sections += section;
+    }
+    add(header, hash_of(header));
+    std::ofstream(file, std::ios::binary) << header << sections;
+    const std::string folder = file.parent_path().string();
+    try {
+        load_checkpoint(folder, {1, 2, {}});
+    } catch (const Error&) {
+    }
+    load_checkpoint(folder);
 }
 
 /// Bytes that do not begin as a file does are a mesh before it is compressed: mutations of a
@@ -96,6 +130,7 @@ constexpr Reader kReaders[] = {
     {"pfm", "read.pfm", read_picture},
     {"tga", "read.tga", read_picture},
     {"bmp", "read.bmp", read_picture},
+    {"mask", "mask.png", [](const fs::path& file) { read_mask(file, Turning::kUpright); }},
     {"capture", "capture.json", [](const fs::path& file) { read_capture(file.string()); }},
     {"transforms", "transforms.json",
      [](const fs::path& file) { read_transforms(file.string(), ""); }},
@@ -108,8 +143,10 @@ constexpr Reader kReaders[] = {
     {"colmap_images_binary", "images.bin",
      [](const fs::path& file) { read_images_binary(file.string()); }},
     {"options", "options.json", [](const fs::path& file) { read_options_file(file.string()); }},
+    {"jobs", "jobs.json", [](const fs::path& file) { read_jobs(file.string()); }},
     {"checkpoint", "0000000001.burnish",
      [](const fs::path& file) { load_checkpoint(file.parent_path().string()); }},
+    {"checkpoint_sections", "0000000001.burnish", read_checkpoint_sections},
     {"state", "state", read_state},
 };
 
@@ -131,6 +168,9 @@ Folder::Folder(const Reader& reader) : reader_(reader) {
     copy_from_corpus("png/rgb.png", folder_.path / "image.png");
     copy_from_corpus("ply/ascii.ply", folder_.path / "mesh.ply");
     copy_from_corpus("obj/quad.obj", folder_.path / "mesh.obj");
+    copy_from_corpus("serialized/two.serialized", folder_.path / "mesh.serialized");
+    copy_from_corpus("spectrum/lamp.spd", folder_.path / "lamp.spd");
+    copy_from_corpus("scene/diffuse_point.xml", folder_.path / "part.xml");
 }
 
 void Folder::read(std::string_view bytes) const {

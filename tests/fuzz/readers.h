@@ -23,7 +23,8 @@ std::span<const Reader> readers();
 const Reader* find_reader(std::string_view name);
 
 /// A folder of its own for the files of one reader: with what a scene may name, an image
-/// `image.png` and meshes `mesh.ply` and `mesh.obj`. It goes with the object.
+/// `image.png`, meshes `mesh.ply`, `mesh.obj` and `mesh.serialized`, a spectrum `lamp.spd` and a
+/// scene `part.xml`. It goes with the object.
 class Folder {
   public:
     explicit Folder(const Reader& reader);
