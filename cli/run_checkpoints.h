@@ -14,7 +14,7 @@
 
 namespace burnish {
 
-/// The system has ended a run that can go on. what(): how.
+/// A signal has ended what the same command, or --resume, goes on with. what(): how.
 struct Suspended : std::runtime_error {
     using std::runtime_error::runtime_error;
 };

@@ -122,4 +122,10 @@ Verdict late_verdict(const RatioInterval& mc, const RatioInterval& pgris,
     return falls == Verdict::kFails ? more : Verdict::kUndecided;
 }
 
+Verdict floor_verdict(const RatioInterval& ris, const RatioInterval& pris) {
+    const RatioInterval pris_left{1 / pris.ratio, 1 / pris.high, 1 / pris.low};
+    return verdict_of_parts(verdict_below_one(in_units_of(ris, 1.25)),
+                            verdict_below_one(in_units_of(pris_left, 0.25)));
+}
+
 }  // namespace burnish

@@ -64,4 +64,8 @@ inline constexpr double kConverged = 0.9;
 Verdict late_verdict(const RatioInterval& mc, const RatioInterval& pgris,
                      const RatioInterval& pgris_over_mc);
 
+/// Of the claim that the variance of ris has a floor and that of pris none. What eight times the
+/// candidates divide it by, about 1 and 8: at most 1.25 is a floor, at least 4 is none.
+Verdict floor_verdict(const RatioInterval& ris, const RatioInterval& pris);
+
 }  // namespace burnish

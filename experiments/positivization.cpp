@@ -142,8 +142,7 @@ Figure sign_figure(const ReproduceOptions& options, ExperimentResult& result) {
         "{:.3g}, and {} times that of pris (95 % intervals over {} groups of trials). The integral "
         "is 0.25.",
         text_of(ris), text_of(pris), text_of(ris_of_floor), floor, text_of(ris_over_pris), kGroups);
-    f.verdict = verdict_of_parts(verdict_below_one(in_units_of(ris, 8)),
-                                 verdict_below_one(variance_ratio(at_256[1], at_256[0])));
+    f.verdict = floor_verdict(ris, pris);
     f.tables.push_back(table);
     f.plots.push_back(plot);
     return f;
