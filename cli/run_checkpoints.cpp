@@ -137,15 +137,24 @@ void RunCheckpoints::begin(const std::vector<Iteration>& earlier) {
     const fs::path file = fs::path(options_.folder) / kHistory;
     fs::remove(file, ignored);  // it may be a link
     history_.open(file, std::ios::trunc);
-    // Where there is no room yet, the header waits in the buffer.
-    history_ << history_csv({});
-    for (const Iteration& i : earlier) history_ << history_row(i);
-    history_ << std::flush;
+    write(history_csv(earlier));
+}
+
+void RunCheckpoints::write(const std::string& rows) {
+    if (!history_) {  // there was no room: without the part of a row that there was room for
+        const fs::path file = fs::path(options_.folder) / kHistory;
+        std::error_code ignored;
+        history_.close();
+        fs::resize_file(file, history_bytes_, ignored);
+        history_.clear(), history_.open(file, std::ios::app);
+    }
+    history_ << rows << std::flush;
+    if (history_) history_bytes_ += rows.size();
 }
 
 void RunCheckpoints::add(const Iteration& iteration) {
-    history_.clear();  // the disk may have been full
-    history_ << history_row(iteration) << std::flush;
+    if (!is_first(ranks_)) return;
+    write(history_bytes_ == 0 ? history_csv({iteration}) : history_row(iteration));
 }
 
 void RunCheckpoints::tell(const CheckpointNote& note) {

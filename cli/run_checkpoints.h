@@ -58,6 +58,7 @@ class RunCheckpoints {
 
   private:
     void tell(const CheckpointNote& note);
+    void write(const std::string& rows);  ///< on the history
 
     OutputFolder& output_;
     Ranks ranks_;  ///< of which the first one writes
@@ -65,6 +66,7 @@ class RunCheckpoints {
     std::string hint_;
     std::string error_;  ///< of the last checkpoint; empty: it was written
     std::ofstream history_;
+    std::uintmax_t history_bytes_ = 0;  ///< that are whole rows
 };
 
 }  // namespace burnish

@@ -200,9 +200,10 @@ void bind_summary(nb::module_& m) {
                           "None]"),
                   "How surely each texel is known, 0 to 1, [height, width, 1]; None where the "
                   "estimator does not say.");
-    c.def_prop_ro(
-        "iterations", iterations_of, nb::sig("def iterations(self) -> list[Iteration]"),
-        "Every one; of more than 16,384 every second, of twice as many every fourth, and so on.");
+    c.def_prop_ro("iterations", iterations_of, nb::sig("def iterations(self) -> list[Iteration]"),
+                  "Every one; of more than 16,384 the last of every two, of twice as many that of "
+                  "every four, "
+                  "and so on.");
     c.def_prop_ro(
         "iteration_count", [](const PythonSummary& s) { return s.values.counts.iterations; },
         "How many the run had.");

@@ -145,7 +145,7 @@ State load_state(const std::string& bytes);
 /// A view of textures, rendered with fresh samples.
 struct ViewEvaluation {
     Image image = {};                   ///< [height, width, 3], before the view's exposure
-    ExposureFactors exposure{1, 1, 1};  ///< the view's, or the one that fits `image`
+    ExposureFactors exposure{1, 1, 1};  ///< the view's, or that of the least loss of `image`
     /// Of the image, its noise included. loss - noise_floor is without it on average.
     double loss = 0;
     /// What the image's noise adds to the loss on average, an estimate. NaN with Loss::kL1 and with
@@ -233,8 +233,8 @@ class Solver {
     /// The image of a view [height, width, 3] when a step last visited it, before its exposure;
     /// width 0: none did, it is the view of another process, or there is no such view.
     const Image& image(std::size_t view = 0) const;
-    /// That of a view, where it is fitted when a step last visited the view; 1 before. Throws
-    /// std::out_of_range: no such view.
+    /// That of a view; where it is fitted the one of the last step that visited it, by the weights
+    /// of its gradient (Loss::kReweighted), 1 before. Throws std::out_of_range: no such view.
     ExposureFactors exposure(std::size_t view = 0) const;
     State state() const;  ///< of several processes all call it, and what follows: each has a part
     /// What solve() returns of the unknowns after as many iterations: texels that no sample visited
@@ -290,8 +290,8 @@ struct RunCounts {
 
 struct Summary {
     std::vector<RecoveredTexture> textures = {};  ///< parallel to Problem::unknowns
-    /// Of this call, every one; of more than 16,384 every second, of twice as many every fourth,
-    /// and so on: never more than 16,384.
+    /// Of this call, every one; of more than 16,384 the last of every two, of twice as many that of
+    /// every four, and so on: never more than 16,384.
     std::vector<Iteration> iterations = {};
     RunCounts counts = {};  ///< of all of them
     Ending ending = Ending::kIterations;

@@ -65,7 +65,8 @@ inline std::array<std::uint32_t, 4> philox4x32(const std::array<std::uint32_t, 4
 /// 24 random bits to [0, 1).
 inline float to_unit_float(std::uint32_t bits) { return static_cast<float>(bits >> 8) * 0x1p-24f; }
 
-/// 48 random bits of two uniforms, where the 24 of one are too few: among many, a choice by weight.
+/// 48 random bits of two independent uniforms in [0, 1), where the 24 of one are too few: for a
+/// choice among many. Below 1.
 inline double fine_uniform(float u, float finer) {
     return static_cast<double>(u) + 0x1p-24 * static_cast<double>(finer);
 }

@@ -60,7 +60,7 @@ struct Difference {
     /// 0, up to rounding, unless a sample takes another path within the steps, or a pixel's slope
     /// changes.
     double jump = 0;
-    double rounding = 0;  ///< of the slope at most, in its unit: images are floats
+    double rounding = 0;  ///< about that of the slope, in its unit: images are floats
 };
 
 Difference difference(const TracedScene& view, const Theta& theta, std::size_t slot,
@@ -103,7 +103,7 @@ bool is_told(const std::vector<double>& jumps, const GradientCheck& check) {
                jumps, [&](double jump) { return jump > kLeast * size_of(check); }) >= kCheckDrawn;
 }
 
-/// rounding: of the difference at most.
+/// rounding: about that of the difference.
 Agreement agreement_of(const GradientCheck& check, double rounding) {
     const double error = std::max(check.estimate.standard_error, check.difference.standard_error);
     const double size = size_of(check);
@@ -111,13 +111,13 @@ Agreement agreement_of(const GradientCheck& check, double rounding) {
     const double gap = std::abs(check.estimate.mean - check.difference.mean);
     if (std::abs(check.t) > kCheckThreshold && gap > std::max(kCheckRounding * size, rounding))
         return Agreement::kDisagree;
-    return 4 * error > size ? Agreement::kTooNoisy : Agreement::kAgree;
+    return 4 * std::max(error, rounding) > size ? Agreement::kTooNoisy : Agreement::kAgree;
 }
 
 /// Of one direction of one texture, by batches.
 struct Batches {
     std::vector<double> estimates, differences, jumps;
-    double rounding = 0;  ///< of a difference at most
+    double rounding = 0;  ///< about that of a difference
 };
 
 /// How a texture's values decide which paths samples take.

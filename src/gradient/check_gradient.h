@@ -32,8 +32,8 @@ struct CheckedMean {
 enum class Agreement {
     kAgree,
     kDisagree,
-    /// The standard error is more than a quarter of the derivative, or too few batches saw samples
-    /// take other paths, see kCheckDrawn: neither is shown.
+    /// The standard error, or the rounding of the images, is more than a quarter of the derivative,
+    /// or too few batches saw samples take other paths, see kCheckDrawn: neither is shown.
     kTooNoisy,
     kNothing,  ///< both are 0, without noise: the picture shows no light that the texture scatters
 };

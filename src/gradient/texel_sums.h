@@ -6,6 +6,7 @@
 // blocks that it visited, and only those are folded.
 #pragma once
 
+#include <array>
 #include <cstdlib>
 #include <memory>
 #include <vector>
@@ -52,7 +53,17 @@ TexelSums make_texel_sums(int width, int height, int channels, std::size_t bands
 /// Makes sums for so many bands, where there are fewer.
 void reserve_bands(std::size_t bands, TexelSums& sums);
 
-/// Adds sixteen values to texels (x, y) of a band; one-channel textures take value.x.
+/// By halves: the same for registers of any width.
+inline float sum_of_lanes(const Packet& p) {
+    std::array<float, kLanes> lane;
+    for (int k = 0; k < kLanes; ++k) lane[static_cast<std::size_t>(k)] = get(p, k);
+    for (std::size_t half = kLanes / 2; half > 0; half /= 2)
+        for (std::size_t k = 0; k < half; ++k) lane[k] += lane[k + half];
+    return lane[0];
+}
+
+/// Adds sixteen values to texels (x, y) of a band; one-channel textures take value.x. Those of one
+/// texel are added up first: it may get millions, of which a sum of floats would lose a part.
 inline void add(const TexelSums& sums, TexelBand& band, const LaneIntegers& x,
                 const LaneIntegers& y, const Rgb<Packet>& value) {
     constexpr std::uint32_t kSide = kTexelBlock;
@@ -64,6 +75,11 @@ inline void add(const TexelSums& sums, TexelBand& band, const LaneIntegers& x,
         dirty[block[0]] = 1;
     else
         for (int k = 0; k < kLanes; ++k) dirty[block[k]] = 1;
+    if (all(Mask(texel == LaneIntegers{} + texel[0]))) {
+        float* to = values + sums.channels * std::size_t{texel[0]};
+        for (int c = 0; c < static_cast<int>(sums.channels); ++c) to[c] += sum_of_lanes(value[c]);
+        return;
+    }
     if (sums.channels == 1) {
         for (int k = 0; k < kLanes; ++k) values[texel[k]] += get(value.x, k);
         return;

@@ -35,7 +35,9 @@ struct WeightedPicture {
 /// picture without light.
 ExposureFactors fit_exposure(const FitExposure& how, Loss loss, const ImageHalves& halves,
                              const WeightedPicture& picture, const ExposureFactors& last);
-/// Where the gradient of Loss::kReweighted does not change with the exposure.
+/// Where the gradient of Loss::kReweighted does not change with the exposure: of an estimator with
+/// derivatives of its own, nearly so. Found in rounds from `last`, which is above 0, and is the
+/// result where the image or the picture has no light.
 ExposureFactors fit_reweighted_exposure(const FitExposure& how, const ImageHalves& halves,
                                         const WeightedPicture& picture,
                                         const ExposureFactors& last);

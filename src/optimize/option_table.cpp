@@ -19,8 +19,7 @@ constexpr Range kDecay{0, 0.999999};
 // One sentence each for what several estimators have.
 constexpr const char* kFreshSpp =
     "Fresh samples per pixel of an iteration's image, by default in two halves: an odd number "
-    "loses "
-    "one, 1 counts as 2; no more than twice a window are traced";
+    "loses one, 1 counts as 2; no more than twice a window are traced";
 constexpr const char* kImageWindow =
     "The most passes of the image that each half keeps and shades again; 0: fresh samples alone";
 constexpr const char* kGradientSpp = "Samples per pixel of the derivative in an iteration";

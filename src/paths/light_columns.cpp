@@ -4,7 +4,6 @@
 #include <span>
 
 #include "core/constants.h"
-#include "core/random.h"
 
 namespace burnish {
 
@@ -93,7 +92,7 @@ void choose_only(const Lights& lights, std::uint32_t only, const std::array<Colu
         return;
     }
     chosen.mesh = wanted;
-    const auto of_triangle = [&](std::size_t i) { return fine_uniform(u[1][i], u[0][i]); };
+    const auto of_triangle = [&](std::size_t i) { return triangle_uniform(u[1][i], u[0][i]); };
     for (const std::size_t i : lanes)
         __builtin_prefetch(&light.by_area.columns[alias_column(light.by_area, of_triangle(i))]);
     for (const std::size_t i : lanes) {

@@ -4,7 +4,6 @@
 #include <cmath>
 
 #include "core/constants.h"
-#include "core/random.h"
 #include "core/variant.h"
 #include "paths/beams.h"
 #include "paths/light_bounds.h"
@@ -253,7 +252,8 @@ void prefetch(const Lights& lights, const SelectedEmitter& selected,
               const std::array<float, 4>& u) {
     const AliasTable& table = lights.lights[selected.emitter].by_area;
     if (!table.columns.empty())
-        __builtin_prefetch(&table.columns[alias_column(table, fine_uniform(u[1], selected.rest))]);
+        __builtin_prefetch(
+            &table.columns[alias_column(table, triangle_uniform(u[1], selected.rest))]);
 }
 
 LightChoice choose_light(const Lights& lights, const SelectedEmitter& selected,
@@ -262,7 +262,8 @@ LightChoice choose_light(const Lights& lights, const SelectedEmitter& selected,
         selected.emitter, 0, selected.inverse_probability, {selected.rest, u[1], u[2], u[3]}};
     const Lights::Light& light = lights.lights[choice.emitter];
     if (light.triangles.empty()) return choice;
-    choice.triangle = sample_alias_table(light.by_area, fine_uniform(u[1], selected.rest)).index;
+    choice.triangle =
+        sample_alias_table(light.by_area, triangle_uniform(u[1], selected.rest)).index;
     prefetch(light.triangles[choice.triangle]);
     return choice;
 }

@@ -9,6 +9,7 @@
 
 #include "core/alias_table.h"
 #include "core/angle.h"
+#include "core/random.h"
 #include "paths/light_sample.h"
 #include "paths/light_selection.h"
 #include "paths/surface.h"
@@ -55,6 +56,9 @@ struct LightChoice {
     std::array<float, 4> u{};
 };
 
+/// What the triangle of a mesh is chosen with: u[1], and for finer bits what the choice of the
+/// emitter left of u[0].
+inline double triangle_uniform(float u, float rest) { return fine_uniform(u, rest); }
 /// Asks for the memory that choose_light reads: where many choose, each before the first of them.
 void prefetch(const Lights& lights, const SelectedEmitter& selected, const std::array<float, 4>& u);
 /// u: the uniforms that the emitter was selected with.

@@ -146,11 +146,11 @@ std::array<float, 4> rand(const Problem& p, std::uint32_t v, Texel i, std::uint3
 }
 
 /// [PR alg. 1], in the reservoir of the sign of q(x).
-void update(ReservoirPair& pair, const Path& x, const Derivative& at_x, double w, float u) {
+void update(ReservoirPair& pair, const Path& x, const Derivative& at_x, double w, double u) {
     if (!(w > 0)) return;
     Reservoir& r = pair[at_x.q < 0 ? 1 : 0];
     r.w_sum += w;
-    if (double{u} * r.w_sum < w) r.x = x, r.at_x = at_x;
+    if (u * r.w_sum < w) r.x = x, r.at_x = at_x;
     r.W = static_cast<float>(r.w_sum / std::abs(double{r.at_x.q}));
 }
 
@@ -258,7 +258,8 @@ Reservoirs generate_candidates(const Problem& p, const Integrand& now, std::uint
         for (const auto& [i, d] : derivatives(world, now.adjoint, x)) {
             // q / (M p_j) [PR eq. 14]: with p_j a density over all n pixels, M p_j is m p.
             const double w = std::abs(double{d.q}) / static_cast<double>(p.derivative.m);
-            update(rs[i], x, d, w, rand(p, v, i, count[i]++, false)[0]);
+            const auto u = rand(p, v, i, count[i]++, false);
+            update(rs[i], x, d, w, fine_uniform(u[0], u[1]));
         }
     });
     return rs;

@@ -30,7 +30,7 @@ using namespace test::ledger;
 
 struct RightUpdate {
     template <class S>
-    void operator()(ReservoirBuilder<S>& b, const S& s, float q, double w, float u) const {
+    void operator()(ReservoirBuilder<S>& b, const S& s, float q, double w, double u) const {
         update(b, s, q, w, u);
     }
 };

@@ -55,6 +55,26 @@ TEST(TexelSums, AreThoseOfAPlainLoop) {
         }
 }
 
+/// Added one by one, a million of them would be wrong by 2 in 1000.
+TEST(TexelSums, OfOneTexelHoldAMillionValues) {
+    constexpr int kPackets = 1 << 16;
+    for (const int channels : {1, 3}) {
+        TexelSums sums = make_texel_sums(1, 1, channels, 1);
+        Packet value;
+        double sum = 0;
+        for (int k = 0; k < kLanes; ++k) {
+            set(value, k, 1.1f + 0.01f * static_cast<float>(k));
+            sum += double{get(value, k)} * kPackets;
+        }
+        for (int i = 0; i < kPackets; ++i)
+            add(sums, sums.bands[0], LaneIntegers{}, LaneIntegers{}, {value, value, value});
+        SplitGradient gradient;
+        clear(gradient, 1, 1, channels);
+        fold(sums, gradient.first, gradient.dirty);
+        for (const float v : gradient.first.values) EXPECT_NEAR(double{v} / sum, 1, 5e-5);
+    }
+}
+
 TEST(TexelSums, SpreadTheDerivativeByTheLuminance) {
     TexelSums sums = make_texel_sums(70, 33, 1, 2);
     const Image expected = fill(sums, 53);

@@ -5,6 +5,7 @@
 
 #include <cmath>
 #include <limits>
+#include <optional>
 
 #include "burnish/error.h"
 #include "core/parallel.h"
@@ -120,8 +121,8 @@ TEST(Exposure, NoiseOfTheImageDoesNotMoveIt) {
     }
 }
 
-/// A setup whose only view is a noisy picture about one and a half times as bright as an image; and
-/// that image with half of its light in noise, twice.
+/// A setup whose only view is a noisy picture about one and a half times as bright as an image, in
+/// blue three times; and that image with half of its light in noise, twice.
 struct NoisyHalves {
     Setup setup = make_setup(test::problem_of(test::small_scene_of(64)), {});
     Image image = test::random_image(64, 64, 3, 0.1f, 1, 5), a = image, b = image;
@@ -132,15 +133,17 @@ struct NoisyHalves {
         view.image = image;
         test::RandomSource random{6};
         for (std::size_t i = 0; i < image.values.size(); ++i) {
-            view.image.values[i] *= random.next(0.75f, 2.25f);
+            view.image.values[i] *= (i % 3 == 2 ? 2.0f : 1.0f) * random.next(0.75f, 2.25f);
             a.values[i] *= random.next() < 0.5f ? 0.5f : 1.5f;
             b.values[i] *= random.next() < 0.5f ? 0.5f : 1.5f;
         }
     }
 };
 
-/// The slope of the loss of reweighted pixels in the exposure, over the sum of its pixels' sizes.
-double exposure_slope(const NoisyHalves& n, const ExposureFactors& e) {
+/// The slope of the loss of reweighted pixels in the exposure, of one channel or of all, over the
+/// sum of its pixels' sizes.
+double exposure_slope(const NoisyHalves& n, const ExposureFactors& e,
+                      std::optional<std::size_t> channel = {}) {
     const std::vector<Image> images{n.a, n.b};
     std::vector<Image> adjoints{loss_of(n.setup, 0, e, n.a).adjoint,
                                 loss_of(n.setup, 0, e, n.b).adjoint};
@@ -148,6 +151,7 @@ double exposure_slope(const NoisyHalves& n, const ExposureFactors& e) {
     double sum = 0, size = 0;
     for (std::size_t h = 0; h < 2; ++h)
         for (std::size_t i = 0; i < n.image.values.size(); ++i) {
+            if (channel && i % 3 != *channel) continue;
             const double d = double{adjoints[h].values[i]} * double{images[1 - h].values[i]};
             sum += d, size += std::abs(d);
         }
@@ -161,7 +165,11 @@ TEST(Exposure, OfReweightedPixelsIsWhereTheirGradientDoesNotChange) {
         for (const float last : {0.01f, 1.0f, 100.0f}) {
             const ExposureFactors e = stepped_exposure_of(n.setup, 0, n.a, n.b, {last, last, last});
             EXPECT_LT(exposure_slope(n, e), 1e-3) << last;
-            EXPECT_NEAR(e[1], 1.5f, 0.3f) << last;
+            for (std::size_t c = 0; c < 3; ++c)
+                EXPECT_EQ(exposure_slope(n, e, c) < 1e-3, by_channel) << last << " " << c;
+            if (by_channel) {
+                EXPECT_NEAR(e[1], 1.5f, 0.3f) << last;
+            }
         }
         const ExposureFactors of_loss = exposure_of(n.setup, 0, n.a, n.b);
         EXPECT_GT(exposure_slope(n, of_loss), 1e-2);

@@ -26,10 +26,10 @@ struct Reservoir {
     float W = 0;  ///< unbiased contribution weight; needs no pdf any more
 };
 
-/// Offers a sample with target value q and weight > 0; u is uniform in [0, 1), of one among
-/// millions with more random bits than a float has (fine_uniform). Keeps it with probability w /
-/// sum w, the sum *including* w. Weights that are zero, negative or not finite are ignored: the
-/// caller counts them.
+/// Offers a sample with target value q and weight > 0; u is uniform in [0, 1). Where there are
+/// millions of samples it needs more random bits than a float has: fine_uniform. Keeps the sample
+/// with probability w / sum w, the sum *including* w. Weights that are zero, negative or not finite
+/// are ignored: the caller counts them.
 template <class Sample>
 void update(ReservoirBuilder<Sample>& builder, const Sample& sample, float q, double weight,
             double u) {
