@@ -128,6 +128,23 @@ bool is_compound(const std::string& type) {
     return type == "instance" || type == "shapegroup" || type == "merge";
 }
 
+void begin_reading(Loader& loader, const Node& shape) {
+    constexpr std::size_t kLeast = 4096;  // the smallest takes time, too
+    loader.is_read_again = !loader.shapes_read.insert(&shape).second;
+    count_again(loader, shape, kLeast + size_of(shape));
+}
+
+void count_again(Loader& loader, const Node& shape, std::size_t bytes) {
+    constexpr std::size_t kMost = std::size_t{1} << 29;
+    if (!loader.is_read_again) return;
+    loader.read_again += bytes;
+    if (loader.read_again > kMost)
+        fail(shape.place, fmt::format("the shape is read again for each that holds it: such shapes "
+                                      "and their files take more than {} bytes, expected at most "
+                                      "as many",
+                                      kMost));
+}
+
 void load_compound(Loader& loader, Properties& properties) {
     if (properties.type == "instance") return load_instance(loader, properties);
     if (properties.type == "shapegroup") {

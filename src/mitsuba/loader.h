@@ -59,6 +59,7 @@ struct Loader {
     int shapes = 0;           ///< seen so far, for made-up ids
     std::size_t members = 0;  ///< shapes inside of others, read so far
     std::unordered_set<const Node*> shapes_read;
+    bool is_read_again = false;  ///< the shape that is being read was read before
     std::size_t read_again = 0;  ///< bytes of shapes that several hold, but for the first reading
 };
 
@@ -86,6 +87,11 @@ void load_shape(Loader& loader, const Node& node);
 /// A shape element that is none of the kinds below. Where it emits, its emitter is added to the
 /// scene, whose next shape it must become.
 Shape read_shape(Loader& loader, Properties& properties, bool emits);
+/// A shape is read, with its file, for each that holds it, and few bytes can name it many times:
+/// begin_reading says which is read, and count_again adds bytes of it where it was read before.
+/// Both throw InputError where all these are too many.
+void begin_reading(Loader& loader, const Node& shape);
+void count_again(Loader& loader, const Node& shape, std::size_t bytes);
 /// Refuses a shape with a coordinate beyond kMaxDistance: distances overflow far beyond, and
 /// nothing would be hit. The box must not be empty.
 void require_reach(const Place& place, const Box& box);

@@ -1,6 +1,7 @@
 // Meshes between a file and the scene: object space, before the shape's transform.
 #pragma once
 
+#include <cstddef>
 #include <optional>
 #include <string>
 #include <vector>
@@ -50,6 +51,9 @@ std::string zero_normals_text(std::size_t count);
 /// normals: those decide which side is the front, so the winding follows them. Throws
 /// std::domain_error where the transform has no inverse.
 Mesh finish_mesh(Mesh mesh, const MeshOptions& options);
+
+/// What its vertices and triangles take.
+std::size_t bytes_of(const Mesh& mesh);
 
 /// [-1, 1]^2 at z = 0, normal +z, uv = ((x + 1) / 2, (y + 1) / 2). Both come with the normals of
 /// their faces.

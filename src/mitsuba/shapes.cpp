@@ -3,9 +3,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
+#include <filesystem>
 #include <limits>
 #include <optional>
 #include <stdexcept>
+#include <system_error>
 #include <utility>
 
 #include "burnish/error.h"
@@ -79,8 +82,11 @@ Mesh load_mesh(Loader& loader, Properties& properties) {
     const std::string name = take_file_name(properties);
     MeshOptions options = take_mesh_options(properties);
     const bool flip_uvs = take_boolean(properties, "flip_tex_coords", properties.type == "obj");
-    MeshFile file =
-        read_mesh_file(resolve_file(loader.document, properties.node->place, name), properties);
+    const std::filesystem::path path = resolve_file(loader.document, properties.node->place, name);
+    std::error_code error;
+    const std::uintmax_t bytes = std::filesystem::file_size(path, error);
+    if (!error) count_again(loader, *properties.node, bytes);
+    MeshFile file = read_mesh_file(path, properties);
     const std::size_t zero_normals = options.face_normals ? 0 : fill_zero_normals(file.mesh);
     warn_of_corners(loader, properties, file, zero_normals, options.face_normals);
     if (flip_uvs)
@@ -194,20 +200,13 @@ MaterialId take_material(Loader& loader, Properties& properties, const std::stri
     return add_diffuse(loader.result.scene, id, is_black ? 0.0f : 0.5f);
 }
 
-/// A shape is read, with its file, for each that holds it, and few bytes can name it many times.
-void count_reading(Loader& loader, const Node& node, const Shape& shape) {
-    constexpr std::size_t kMost = std::size_t{1} << 29;
-    constexpr std::size_t kLeast = 4096;  // the smallest takes time, too
-    if (loader.shapes_read.insert(&node).second) return;
-    loader.read_again += kLeast + size_of(node);
-    if (const Mesh* mesh = mesh_of(shape.geometry))
-        loader.read_again += (mesh->positions.size() + mesh->normals.size()) * sizeof(Vec3f) +
-                             mesh->uvs.size() * sizeof(Vec2f) +
-                             mesh->triangles.size() * sizeof(Triangle);
-    if (loader.read_again > kMost)
-        fail(node.place, fmt::format("shape \"{}\" is read again for each that holds it: such "
-                                     "shapes take more than {} bytes, expected at most as many",
-                                     shape.id, kMost));
+/// Of the values of the bitmaps from one on.
+std::size_t texture_bytes(const Scene& scene, std::size_t first) {
+    std::size_t bytes = 0;
+    for (std::size_t i = first; i < scene.textures.size(); ++i)
+        if (const Bitmap* bitmap = bitmap_of(scene.textures[i]))
+            bytes += bitmap->values.size() * sizeof(float);
+    return bytes;
 }
 
 /// Materials and emitters that read mesh attributes are built anew for each shape.
@@ -307,20 +306,24 @@ Shape read_shape(Loader& loader, Properties& properties, bool emits) {
     ignore(properties, {"silhouette_sampling_weight"});  // only how Mitsuba samples it
     shape.id = id_or_made_up(loader, *properties.node, fmt::format("shape_{}", loader.shapes++));
     loader.attributes = {};
+    begin_reading(loader, *properties.node);
     try {
         shape.geometry = read_geometry(loader, properties);
     } catch (const std::domain_error&) {
         fail_no_inverse(properties);
     }
     require_geometry_reach(properties.node->place, shape.geometry);
-    count_reading(loader, *properties.node, shape);
+    if (const Mesh* mesh = mesh_of(shape.geometry))
+        count_again(loader, *properties.node, bytes_of(*mesh));
     if (const Mesh* mesh = mesh_of(shape.geometry); mesh && !loader.attributes.attributes.empty())
         loader.attributes.mesh = *mesh;
     refuse_media(loader, properties);
     forget_attributes_of(loader, properties);
+    const std::size_t known = loader.result.scene.textures.size();
     shape.material = take_material(loader, properties, shape.id, emits);
     const std::optional<AreaEmitter> emitter =
         emits ? take_emitter(loader, properties) : std::nullopt;
+    count_again(loader, *properties.node, texture_bytes(loader.result.scene, known));
     std::vector<TextureId> textures = textures_of(loader.result.scene, shape.material);
     if (emitter && emitter->texture) textures.push_back(emitter->texture);
     use_attributes(loader, properties, shape, textures);
