@@ -52,6 +52,22 @@ Emission take_textured_emission(Loader& loader, Properties& properties, const ch
     return {{1, 1, 1}, load_texture(loader, *property->node, TextureUse::kAny)};
 }
 
+/// Bytes are at most 1.
+float brightest_texel(const Texture& texture) {
+    if (const auto* board = std::get_if<Checkerboard>(&texture))
+        return std::max(max_component(board->color0), max_component(board->color1));
+    const std::vector<float>& values = std::get<Bitmap>(texture).values;
+    return values.empty() ? 1 : *std::max_element(values.begin(), values.end());
+}
+
+/// Refuses a factor that is, times the brightest texel of its texture, not finite.
+Rgbf finite_emission(const Loader& loader, const Properties& properties, const std::string& what,
+                     const Rgbf& factor, TextureId texture) {
+    const float most = texture ? brightest_texel(loader.result.scene[texture]) : 1;
+    finite_emission(properties, what, factor * most);
+    return factor;
+}
+
 void set_environment(Loader& loader, const Node& node) {
     if (loader.environment)
         fail(node.place,
@@ -137,9 +153,9 @@ SpotEmitter read_spot(Loader& loader, Properties& properties) {
     spot.cutoff = take_float(properties, "cutoff_angle", 20);
     spot.beam_width = take_float(properties, "beam_width", 0.75f * spot.cutoff);
     const Emission texture = take_textured_emission(loader, properties, "texture");
-    spot.intensity = finite_emission(properties, "\"intensity\" times \"texture\"",
-                                     spot.intensity * texture.color);
     spot.texture = texture.texture;
+    spot.intensity = finite_emission(loader, properties, "\"intensity\" times \"texture\"",
+                                     spot.intensity * texture.color, spot.texture);
     const float largest = spot.texture ? 89.9f : 180.0f;
     if (!(spot.cutoff > 0 && spot.cutoff <= largest && spot.beam_width >= 0))
         fail(properties.node->place,
@@ -179,10 +195,10 @@ ProjectorEmitter read_projector(Loader& loader, Properties& properties) {
         fail(properties.node->place,
              fmt::format("\"scale\" is {}, expected no negative value", scale));
     // As in Mitsuba, where the length that to_world gives the axes counts as a brightness does.
-    projector.irradiance =
-        finite_emission(properties, "\"irradiance\" times \"scale\" and that of \"to_world\"",
-                        emission.color * (scale * place.scale));
     projector.texture = emission.texture;
+    projector.irradiance = finite_emission(
+        loader, properties, "\"irradiance\" times \"scale\" and that of \"to_world\"",
+        emission.color * (scale * place.scale), projector.texture);
     if (emission.texture)
         if (const Bitmap* bitmap = bitmap_of(loader.result.scene[emission.texture]))
             projector.aspect = static_cast<double>(bitmap->width) / bitmap->height;
@@ -227,7 +243,9 @@ AreaEmitter load_area_emitter(Loader& loader, const Node& node, ShapeId shape) {
         fail(to_world->site->place, "found \"to_world\" inside \"area\", expected it in the shape");
     ignore(properties, {"sampling_weight"});
     const Emission emission = take_textured_emission(loader, properties, "radiance");
-    const AreaEmitter emitter{emission.color, shape, emission.texture};
+    const AreaEmitter emitter{
+        finite_emission(loader, properties, "\"radiance\"", emission.color, emission.texture),
+        shape, emission.texture};
     warn_unknown(properties, loader.result.warnings);
     return emitter;
 }

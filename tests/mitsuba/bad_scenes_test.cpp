@@ -491,6 +491,34 @@ TEST(BadSceneFiles, ASkyBeyondSinglePrecisionIsRefused) {
     EXPECT_EQ(error_with("1e8"), "");
 }
 
+TEST(BadSceneFiles, TexturesOfLightBeyondSinglePrecisionAreRefused) {
+    const TemporaryFolder folder;
+    write_image(folder.path / "light.exr", make_image(2, 2, 3, 1e30f));
+    const auto error_with = [&](const std::string& type, const std::string& texture,
+                                const std::string& rest) {
+        return error_of(write_text(folder, "a.xml",
+                                   "<scene version='3.0.0'><emitter type='" + type +
+                                       "'><texture type='bitmap' name='" + texture +
+                                       "'><string name='filename' value='light.exr'/></texture>" +
+                                       rest + "</emitter></scene>"));
+    };
+    const auto spot = [&](const std::string& intensity) {
+        return error_with("spot", "texture", "<rgb name='intensity' value='" + intensity + "'/>");
+    };
+    const auto projector = [&](const std::string& scale) {
+        return error_with("projector", "irradiance", "<float name='scale' value='" + scale + "'/>");
+    };
+    EXPECT_NE(spot("0, 1e30, 0").find("1:24: \"intensity\" times \"texture\" is (0, inf, 0), exp"),
+              std::string::npos)
+        << spot("0, 1e30, 0");
+    EXPECT_NE(projector("1e30").find("1:24: \"irradiance\" times \"scale\" and that of "
+                                     "\"to_world\" is (inf, inf, inf), expected"),
+              std::string::npos)
+        << projector("1e30");
+    EXPECT_EQ(spot("1e8"), "");
+    EXPECT_EQ(projector("1e8"), "");
+}
+
 TEST(BadSceneFiles, VerticesFarOutAreWhereTheShapeStands) {
     const TemporaryFolder folder;
     write_text(folder, "far.obj", "v 0 0 0\nv 1e30 0 0\nv 0 1e30 0\nf 1 2 3\n");
