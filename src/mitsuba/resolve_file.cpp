@@ -1,6 +1,10 @@
 // File names of a scene -> files.
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <system_error>
+#include <utility>
+
 #include "image/files.h"
 #include "mitsuba/xml.h"
 
@@ -15,24 +19,42 @@ bool is_inside(const fs::path& path, const fs::path& folder) {
     return !relative.empty() && *relative.begin() != "..";
 }
 
+std::vector<fs::path> candidates_of(const Document& document, const fs::path& from,
+                                    const std::string& name) {
+    std::vector<fs::path> candidates;
+    for (std::size_t i = document.search_folders.size(); i-- > 0;)
+        candidates.push_back(document.search_folders[i].named / name);
+    for (const fs::path& folder : {document.named_folder, document.top_folder, from})
+        candidates.push_back(folder / name);
+    return candidates;
+}
+
+/// The first that is there, behind links inside of the folder of the scene; empty: none.
+fs::path find_file(const Document& document, const std::vector<fs::path>& candidates) {
+    for (const fs::path& candidate : candidates) {
+        std::error_code error;
+        if (!fs::exists(candidate, error)) continue;
+        const fs::path real = fs::canonical(candidate, error);
+        if (!error && is_inside(real, document.top_folder)) return candidate;
+    }
+    return {};
+}
+
 }  // namespace
 
 fs::path resolve_file(const Document& document, const Place& place, const std::string& name) {
     if (name.empty() || name.find('\0') != std::string::npos)
         fail(place, "the file name is empty, expected a file");
-    std::vector<fs::path> folders(document.search_folders.rbegin(), document.search_folders.rend());
-    folders.insert(folders.end(), {document.named_folder, document.top_folder,
-                                   fs::path(place.file).parent_path()});
-    bool any_inside = false;
-    for (const fs::path& folder : folders) {
-        const fs::path candidate = folder / name;
-        if (!is_inside(real_path(candidate), document.top_folder)) continue;
-        any_inside = true;
-        std::error_code error;
-        const fs::path real = fs::canonical(candidate, error);  // none of a loop of links
-        if (!error && is_inside(real, document.top_folder)) return candidate;
-    }
-    if (!any_inside)
+    const fs::path from = fs::path(place.file).parent_path();
+    const std::pair key(from.string(), name);
+    const auto known = document.files.find(key);
+    if (known != document.files.end()) return known->second;
+    const std::vector<fs::path> candidates = candidates_of(document, from, name);
+    const fs::path found = find_file(document, candidates);
+    if (!found.empty()) return document.files[key] = found;
+    if (std::none_of(candidates.begin(), candidates.end(), [&](const fs::path& candidate) {
+            return is_inside(real_path(candidate), document.top_folder);
+        }))
         fail(place, fmt::format("the file \"{:.200}\" lies outside the folder of the scene, "
                                 "expected one inside \"{}\"",
                                 name, document.top_folder.string()));

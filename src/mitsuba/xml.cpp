@@ -25,7 +25,8 @@ constexpr std::size_t kMaxIncludes = 15;  ///< nested files
 // Of a scene with all that it includes: far more than any has, little enough to give up soon.
 constexpr int kMaxElements = 4'000'000;
 constexpr std::size_t kMaxFiles = 4096, kMaxText = std::size_t{1} << 28;
-constexpr std::size_t kMaxFolders = 64;  ///< of <path>: each file may be looked for in all of them
+// Of <path>: each file may be looked for in all of them.
+constexpr std::size_t kMaxFolders = 1024;
 
 struct Parser {
     Document document;
@@ -140,10 +141,11 @@ void read_path(Parser& parser, const Node& path) {
     if (!fs::is_directory(status_of(folder)))
         fail(path.place,
              fmt::format("<path> names \"{:.200}\", which is no folder", attribute(path, "value")));
-    std::vector<fs::path>& folders = parser.document.search_folders;
-    const auto listed = std::find_if(folders.begin(), folders.end(), [&](const fs::path& other) {
-        std::error_code ignored;
-        return fs::equivalent(other, folder, ignored);
+    parser.document.files.clear();
+    const fs::path real = real_path(folder);
+    std::vector<SearchFolder>& folders = parser.document.search_folders;
+    const auto listed = std::find_if(folders.begin(), folders.end(), [&](const SearchFolder& f) {
+        return f.real.native() == real.native();
     });
     if (listed != folders.end()) {
         std::rotate(listed, listed + 1, folders.end());
@@ -152,7 +154,7 @@ void read_path(Parser& parser, const Node& path) {
     if (folders.size() == kMaxFolders)
         fail(path.place, fmt::format("<path> names more than {} folders, expected at most as many",
                                      kMaxFolders));
-    folders.push_back(folder);
+    folders.push_back({folder, real});
 }
 
 /// Acts on default, include, path and alias; false for every other element.

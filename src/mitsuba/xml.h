@@ -6,11 +6,17 @@
 #include <filesystem>
 #include <map>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "mitsuba/node.h"
 
 namespace burnish::mitsuba {
+
+/// Of a <path>.
+struct SearchFolder {
+    std::filesystem::path named, real;  ///< as the scene has it, and behind links
+};
 
 struct Document {
     Node root;  ///< the <scene>
@@ -18,7 +24,9 @@ struct Document {
     std::map<std::string, const Node*> ids;
     std::filesystem::path top_folder;    ///< of the top-level scene: nothing outside is read
     std::filesystem::path named_folder;  ///< the same as the scene was named, behind a link another
-    std::vector<std::filesystem::path> search_folders;  ///< <path>, in order
+    std::vector<SearchFolder> search_folders;  ///< in order
+    /// What resolve_file has found with these folders: the folder that names a file, and the name.
+    mutable std::map<std::pair<std::string, std::string>, std::filesystem::path> files;
     std::vector<std::string> notes, warnings;
     std::size_t referred = 0;  ///< bytes of the values that references meant, as often as read
 };

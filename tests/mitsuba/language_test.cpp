@@ -8,6 +8,7 @@
 #include "image/image.h"
 #include "mitsuba/spectra.h"
 #include "mitsuba/temporary_scene.h"
+#include "mitsuba/xml.h"
 
 namespace burnish {
 namespace {
@@ -111,12 +112,43 @@ TEST(Language, AFolderIsLookedThroughOnceAndFewAreNamed) {
     EXPECT_EQ(load_text(folder, kLight + paths).scene.emitters.size(), 1u);
     EXPECT_LT(std::clock() - begin, CLOCKS_PER_SEC);
     paths = "<path value='.'/>";
-    for (int i = 0; i < 64; ++i) {
-        std::filesystem::create_directories(folder.path / std::to_string(i));
-        paths += "<path value='" + std::to_string(i) + "'/>";
+    for (int i = 0; i < 1024; ++i) {
+        const std::filesystem::path named = folder.path / std::to_string(i);
+        std::filesystem::create_directories(named);
+        paths += "<path value='" + named.string() + "'/>";
     }
     const std::string error = test::error_of([&] { load_text(folder, kLight + paths); });
-    EXPECT_NE(error.find("<path> names more than 64 folders"), std::string::npos) << error;
+    EXPECT_NE(error.find("<path> names more than 1024 folders"), std::string::npos) << error;
+}
+
+TEST(Language, ANameIsLookedForOnceWhileTheFoldersStay) {
+    const TemporaryFolder folder;
+    write_text(folder, "t.txt", "");
+    mitsuba::Document document;
+    document.top_folder = std::filesystem::canonical(folder.path);
+    for (int i = 0; i < 1000; ++i) {
+        const std::filesystem::path none = folder.path / std::to_string(i);
+        document.search_folders.push_back({none, none});
+    }
+    const mitsuba::Place place{(folder.path / "scene.xml").string(), 1, 1};
+    const std::clock_t begin = std::clock();
+    for (int i = 0; i < 20'000; ++i)
+        EXPECT_EQ(mitsuba::resolve_file(document, place, "t.txt").filename(), "t.txt");
+    EXPECT_LT(std::clock() - begin, 2 * CLOCKS_PER_SEC);
+}
+
+TEST(Language, APathBetweenTwoIncludesOfANameChangesWhatTheSecondMeans) {
+    const TemporaryFolder folder;
+    std::filesystem::create_directory(folder.path / "a");
+    write_text(folder, "m.xml", "<scene version='3.0.0'><bsdf type='diffuse' id='m'/></scene>");
+    write_text(folder, "a/m.xml", "<scene version='3.0.0'><bsdf type='diffuse' id='n'/></scene>");
+    const std::string include = "<include filename='m.xml'/>";
+    const Scene scene =
+        load_text(folder, kLight + include + "<path value='a'/>" + include +
+                              "<shape type='cube'><ref id='m'/></shape><shape type='cube'><ref "
+                              "id='n'/></shape>")
+            .scene;
+    EXPECT_EQ(scene.materials.size(), 2u);
 }
 
 /// As in Mitsuba 3.9.1.
