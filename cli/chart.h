@@ -25,7 +25,8 @@ struct Chart {
     std::vector<ChartSeries> series;
     /// How the numbers of the x axis are written; empty: as they are.
     std::function<std::string(double)> x_tick_text = {};
-    bool whole_x = false;  ///< x counts something: no ticks at fractions
+    /// No ticks at fractions of x: it counts something, or is a logarithm.
+    bool whole_x = false;
 };
 
 /// An <svg> element that scales with its surroundings.

@@ -8,6 +8,11 @@
 
 namespace burnish {
 
+/// Of the claim that the error of pgris is less than `bound` of that of mc: kPartly where it holds
+/// with the identity shift alone.
+Verdict derivatives_verdict(const RatioInterval& replay, const RatioInterval& identity,
+                            double bound);
+
 /// Why the claim does not hold of the replay shift, whose error is so much of that of mc, and less
 /// than `bound` of it in the claim; empty where neither the verdict of the figure nor a single run
 /// is against it. seconds: of mc with one sample per pixel. samples: of mc, per pixel, that take

@@ -59,8 +59,9 @@ Verdict verdict_of_parts(Verdict first, Verdict second);
 /// A loss has converged that falls by less than a tenth late in a run.
 inline constexpr double kConverged = 0.9;
 /// Of the claim that the loss of pgris goes on falling where that of mc has converged. What a loss
-/// changes by late in a run: of mc, of pgris, and of pgris over that of mc, run by run. It holds
-/// where all of the interval of mc lies above kConverged, and fails where all of it lies below.
+/// changes by late in a run: of mc, of pgris, and of pgris over that of mc, run by run. mc counts
+/// as converged where all of its interval lies above kConverged; where all of it lies below, the
+/// claim fails if pgris falls.
 Verdict late_verdict(const RatioInterval& mc, const RatioInterval& pgris,
                      const RatioInterval& pgris_over_mc);
 
