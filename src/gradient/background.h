@@ -13,6 +13,7 @@
 #include "core/index_range.h"
 #include "gradient/binding.h"
 #include "image/image.h"
+#include "image/whole.h"
 #include "render/pass_convolution.h"
 
 namespace burnish {
@@ -25,6 +26,14 @@ struct Background {
 
     friend bool operator==(const Background&, const Background&) = default;
 };
+
+/// Whether it has three values and a count for each pixel, or nothing: what a file holds may not.
+inline bool is_whole(const Background& background) {
+    const Image& mean = background.mean;
+    if (mean.width == 0) return background.counts.empty();
+    return mean.channels == 3 && is_whole(mean) &&
+           background.counts.size() == mean.values.size() / 3;
+}
 
 /// The surroundings of surfaces with unknowns, one entry per pixel of the crop window. Follows from
 /// the scene.

@@ -71,13 +71,13 @@ bool is_searched(const Setup& setup, const std::vector<Image>& starts) {
 
 /// Whole, or the rows of the bands.
 bool is_background(const Background& background, const Film& film, const IndexRange& bands) {
-    if (background.mean.width == 0) return background.counts.empty();
+    if (!is_whole(background)) return false;
+    if (background.mean.width == 0) return true;
     const int height = background.mean.height;
     const auto whole = static_cast<std::size_t>(film.crop_height);
     return (height == film.crop_height ||
             static_cast<std::size_t>(height) == items_of(bands, whole).size()) &&
-           has_shape(background.mean, film.crop_width, height, 3) &&
-           background.counts.size() == background.mean.values.size() / 3;
+           background.mean.width == film.crop_width;
 }
 
 bool is_statistics(const PixelStatistics& pixels, const Film& film) {

@@ -4,7 +4,6 @@
 
 #include <exception>
 
-#include "image/whole.h"
 #include "optimize/iterate.h"
 #include "optimize/owners.h"
 #include "optimize/pieces.h"
@@ -210,15 +209,16 @@ void read_cache(ArchiveReader& archive, const IndexRange& bands, PathCacheState&
     }
 }
 
-/// Before rows are taken of what a file holds.
-void require_whole(const ArchiveReader& archive, const Background& background) {
+/// Of what a file holds.
+Background checked_rows(const ArchiveReader& archive, const Background& background,
+                        const IndexRange& bands) {
     const Image& mean = background.mean;
-    if (mean.width == 0) return;  // none has been made
-    if (mean.channels != 3 || !is_whole(mean) || background.counts.size() * 3 != mean.values.size())
+    if (!is_whole(background))
         archive.fail(
             fmt::format("a background of {} x {} x {} with {} values and {} counts", mean.width,
                         mean.height, mean.channels, mean.values.size(), background.counts.size()),
             "a count for each pixel of three values");
+    return rows_of(background, items_of(bands, static_cast<std::size_t>(mean.height)));
 }
 
 /// As the fields of ViewState, of which a process keeps what is its own.
@@ -236,10 +236,7 @@ ViewState read_view(ArchiveReader& archive, const Ranks& ranks, std::size_t whic
     archive(view.backgrounds, view.exposure);
     if (bands.empty()) return {};
     if (bands != kAllBands)
-        for (Background& b : view.backgrounds) {
-            require_whole(archive, b);
-            b = rows_of(b, items_of(bands, static_cast<std::size_t>(b.mean.height)));
-        }
+        for (Background& b : view.backgrounds) b = checked_rows(archive, b, bands);
     return view;
 }
 

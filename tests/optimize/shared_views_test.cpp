@@ -245,13 +245,15 @@ TEST(SharedViews, ABackgroundThatIsNotWholeIsRefused) {
     const Background whole{make_image(4, 8, 3, 0.5f), std::vector<std::uint32_t>(32, 1), 1};
     EXPECT_EQ(error_with(whole), "");
     EXPECT_EQ(error_with({}), "");
-    Background few_counts = whole, few_values = whole, gray = whole, high = whole, below = whole;
+    Background few_counts = whole, few_values = whole, gray = whole, high = whole, below = whole,
+               counts_alone;
     few_counts.counts.resize(3);
     few_values.mean.values.resize(3), few_values.counts.resize(1);
     gray.mean = make_image(4, 8, 1, 0.5f);
     high.mean.height = 1 << 30;
     below.mean.width = below.mean.height = -4;
-    for (const Background& background : {few_counts, few_values, gray, high, below})
+    counts_alone.counts.resize(3);
+    for (const Background& background : {few_counts, few_values, gray, high, below, counts_alone})
         EXPECT_NE(error_with(background).find("expected a count for each pixel of three values"),
                   std::string::npos)
             << error_with(background);
