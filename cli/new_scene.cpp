@@ -10,6 +10,7 @@
 #include "cli/mesh_check.h"
 #include "cli/mesh_file.h"
 #include "cli/output_folder.h"
+#include "core/positive_float.h"
 #include "image/files.h"
 #include "image/image.h"
 #include "mitsuba/load.h"
@@ -274,10 +275,10 @@ NewSceneReport write_new_scene(const NewScene& scene, const fs::path& folder) {
             "Blender: Edit Mode, A, U, Smart UV Project) and export it again",
             scene.mesh.string()));
     const MeshCheck check = check_mesh(file.mesh, std::min(scene.texture_size, 1024));
-    if (!(radius_of(check) > 0))
-        throw InputError(
-            fmt::format("{}: all vertices are at one place, expected a mesh of some size",
-                        scene.mesh.string()));
+    if (!is_positive_float(0.01 * radius_of(check)))  // as near as a clipping plane may be
+        throw InputError(fmt::format(
+            "{}: all vertices are at one place, or almost, expected a mesh of some size",
+            scene.mesh.string()));
     const std::string name = plain_name(scene.mesh);
     write_files(scene, name, file, check, output.unfinished);
     const LoadedScene loaded = load_scene(output.unfinished / "scene.xml");

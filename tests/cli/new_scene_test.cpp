@@ -740,6 +740,7 @@ TEST_F(NewSceneTest, RefusesWhatItCannotUseAndLeavesNothing) {
     const std::string faces = "vt 0 0\nf 1/1 2/1 3/1\n";
     write_text(folder / "far.obj", "v 0 0 0\nv 9e11 0 0\nv 0 1 0\n" + faces);
     write_text(folder / "point.obj", "v 1 1 1\nv 1 1 1\nv 1 1 1\n" + faces);
+    write_text(folder / "tiny.obj", "v 0 0 0\nv 1e-44 0 0\nv 0 1e-44 0\n" + faces);
     write_text(folder / "model.fbx", "x");
     write_text(folder / "model.gltf", "{}");
     write_text(folder / "bad.hdr", "damaged\n");
@@ -750,6 +751,7 @@ TEST_F(NewSceneTest, RefusesWhatItCannotUseAndLeavesNothing) {
         {"--mesh far.obj -o out",
          "burnish: far.obj: a vertex is at (9e+11, 0, 0), expected it within 1e+11 of the origin"},
         {"--mesh point.obj -o out", "burnish: point.obj: all vertices are at one place"},
+        {"--mesh tiny.obj -o out", "burnish: tiny.obj: all vertices are at one place, or almost, "},
         {"--mesh model.fbx -o out", "expected a mesh: .obj, .ply or .glb"},
         {"--mesh model.gltf -o out", "export it as .glb"},
         {"--mesh missing.obj -o out", "missing.obj"},
