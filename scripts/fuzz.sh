@@ -25,8 +25,9 @@ run() {  # run READER
     [ ! -e "tests/fuzz/$reader.dict" ] || options+=(-dict="tests/fuzz/$reader.dict")
     mkdir -p "$own" "$findings"
     local result="no finding" status=0
-    build/fuzz/tests/fuzz_"$reader" "${options[@]}" -artifact_prefix="$findings/" "$own" "tests/fuzz/corpus/$reader" \
-        >"$log" 2>&1 || status=$?
+    # By its absolute name: some readers work in a folder of their own.
+    build/fuzz/tests/fuzz_"$reader" "${options[@]}" -artifact_prefix="$PWD/$findings/" "$own" \
+        "tests/fuzz/corpus/$reader" >"$log" 2>&1 || status=$?
     [ $status -eq 0 ] || result="FAILED, see $log; again: build/fuzz/tests/fuzz_$reader $(ls -t "$findings"/* 2>/dev/null | head -1)"
     printf '%-24s %10s files, %6s edges, %s\n' "$reader" \
         "$(sed -n 's/^stat::number_of_executed_units: *//p' "$log")" \

@@ -66,6 +66,20 @@ INSTANTIATE_TEST_SUITE_P(Readers, Corpus,
                          ::testing::ValuesIn(fuzz::readers().begin(), fuzz::readers().end()),
                          [](const auto& test) { return std::string(test.param.name); });
 
+TEST(CorpusFolders, HoldFilesThatNameOthersOfAReader) {
+    const fuzz::Folder folder(*fuzz::find_reader("jobs"));
+    const auto read = [&](const std::string& name) {
+        folder.read(R"({"jobs": [{"output": "a", "arguments": ["scene.xml", "--parameter", )"
+                    R"("color", "--options", ")" +
+                    name + R"("]}]})");
+    };
+    const fs::path before = fs::current_path();
+    EXPECT_NO_THROW(read("options.json"));
+    EXPECT_THROW(read("none.json"), Error);
+    EXPECT_NO_THROW(read("/dev/zero")) << "left out";
+    EXPECT_EQ(fs::current_path(), before);
+}
+
 TEST(CorpusFolders, HaveAReader) {
     for (const auto& entry : fs::directory_iterator(BURNISH_FUZZ_CORPUS))
         EXPECT_NE(fuzz::find_reader(entry.path().filename().string()), nullptr) << entry.path();

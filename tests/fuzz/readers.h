@@ -24,7 +24,7 @@ const Reader* find_reader(std::string_view name);
 
 /// A folder of its own for the files of one reader: with what a scene may name, an image
 /// `image.png`, meshes `mesh.ply`, `mesh.obj` and `mesh.serialized`, a spectrum `lamp.spd` and a
-/// scene `part.xml`. It goes with the object.
+/// scene `part.xml`; with options `options.json`, which jobs may name. It goes with the object.
 class Folder {
   public:
     explicit Folder(const Reader& reader);
