@@ -120,5 +120,14 @@ TEST(Verdicts, OfTwoPartsHoldWhereBothDo) {
     EXPECT_EQ(verdict_of_parts(kUndecided, kUndecided), kUndecided);
 }
 
+/// ris keeps a floor of variance, pris has none.
+TEST(Verdicts, AFloorOfVarianceIsDecidedByWhatBothLose) {
+    const RatioInterval stays{1.0, 0.98, 1.02}, falls{8.1, 7.8, 8.3}, unclear{2, 0.9, 9};
+    EXPECT_EQ(floor_verdict(stays, falls), Verdict::kHolds);
+    EXPECT_EQ(floor_verdict(falls, stays), Verdict::kFails);
+    EXPECT_EQ(floor_verdict(stays, stays), Verdict::kPartly);
+    EXPECT_EQ(floor_verdict(unclear, unclear), Verdict::kUndecided);
+}
+
 }  // namespace
 }  // namespace burnish

@@ -10,7 +10,6 @@
 #include "burnish/error.h"
 #include "core/random.h"
 #include "experiments/experiments.h"
-#include "experiments/interval.h"
 #include "experiments/small_target_scene.h"
 #include "ledger_entries.h"
 #include "optimize/iterate.h"
@@ -254,14 +253,6 @@ TEST(Reproduce, PositivizationHoldsInOneDimension) {
         run_positivization({}, small_options(), {[](const std::string&) {}, {}});
     ASSERT_EQ(result.figures.size(), 2u);
     for (const Figure& f : result.figures) EXPECT_EQ(f.verdict, Verdict::kHolds) << f.measured;
-}
-
-TEST(Reproduce, AFloorOfVarianceIsDecidedByIntervals) {
-    const RatioInterval stays{1.0, 0.98, 1.02}, falls{8.1, 7.8, 8.3}, unclear{2, 0.9, 9};
-    EXPECT_EQ(floor_verdict(stays, falls), Verdict::kHolds);
-    EXPECT_EQ(floor_verdict(falls, stays), Verdict::kFails);
-    EXPECT_EQ(floor_verdict(stays, stays), Verdict::kPartly);
-    EXPECT_EQ(floor_verdict(unclear, unclear), Verdict::kUndecided);
 }
 
 }  // namespace
