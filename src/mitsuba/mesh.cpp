@@ -119,11 +119,6 @@ void add_square(Mesh& mesh, const Vec3f& normal, const Vec3f& center, const Vec3
 
 }  // namespace
 
-std::size_t bytes_of(const Mesh& mesh) {
-    return (mesh.positions.size() + mesh.normals.size()) * sizeof(Vec3f) +
-           mesh.uvs.size() * sizeof(Vec2f) + mesh.triangles.size() * sizeof(Triangle);
-}
-
 Mesh unit_rectangle() {
     Mesh mesh;
     add_square(mesh, {0, 0, 1}, {0, 0, 0}, {1, 0, 0}, {0, 1, 0});

@@ -52,9 +52,6 @@ std::string zero_normals_text(std::size_t count);
 /// std::domain_error where the transform has no inverse.
 Mesh finish_mesh(Mesh mesh, const MeshOptions& options);
 
-/// What its vertices and triangles take.
-std::size_t bytes_of(const Mesh& mesh);
-
 /// [-1, 1]^2 at z = 0, normal +z, uv = ((x + 1) / 2, (y + 1) / 2). Both come with the normals of
 /// their faces.
 Mesh unit_rectangle();

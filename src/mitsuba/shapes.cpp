@@ -313,10 +313,10 @@ Shape read_shape(Loader& loader, Properties& properties, bool emits) {
         fail_no_inverse(properties);
     }
     require_geometry_reach(properties.node->place, shape.geometry);
-    if (const Mesh* mesh = mesh_of(shape.geometry))
+    if (const Mesh* mesh = mesh_of(shape.geometry)) {
         count_again(loader, *properties.node, bytes_of(*mesh));
-    if (const Mesh* mesh = mesh_of(shape.geometry); mesh && !loader.attributes.attributes.empty())
-        loader.attributes.mesh = *mesh;
+        if (!loader.attributes.attributes.empty()) loader.attributes.mesh = *mesh;
+    }
     refuse_media(loader, properties);
     forget_attributes_of(loader, properties);
     const std::size_t known = loader.result.scene.textures.size();

@@ -34,9 +34,8 @@ constexpr double kTextureArrays = 3 + 4 * 4.0 / 3 + 1 + 2 + 1 + 1 + 1;
 
 double bytes_of(const Mesh& mesh, bool emits) {
     const auto triangles = static_cast<double>(mesh.triangles.size());
-    return static_cast<double>(mesh.positions.size() + mesh.normals.size()) * sizeof(Vec3f) +
-           static_cast<double>(mesh.uvs.size()) * sizeof(Vec2f) +
-           triangles * (sizeof(Triangle) + sizeof(TriangleRecord) + kBytesPerTriangle) +
+    return static_cast<double>(bytes_of(mesh)) +
+           triangles * (sizeof(TriangleRecord) + kBytesPerTriangle) +
            (emits ? triangles * kBytesPerTriangle : 0);
 }
 

@@ -16,6 +16,11 @@ const Mesh* mesh_of(const Geometry& geometry) {
         [](const Instance&) -> const Mesh* { return nullptr; });
 }
 
+std::size_t bytes_of(const Mesh& mesh) {
+    return (mesh.positions.size() + mesh.normals.size()) * sizeof(Vec3f) +
+           mesh.uvs.size() * sizeof(Vec2f) + mesh.triangles.size() * sizeof(Triangle);
+}
+
 double triangle_area(const Mesh& mesh, const Triangle& triangle) {
     const auto at = [&](std::size_t i) { return to_double(mesh.positions[triangle.vertex[i]]); };
     return 0.5 * length(cross(at(1) - at(0), at(2) - at(0)));

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <string>
 #include <variant>
@@ -79,6 +80,8 @@ using Geometry = std::variant<Mesh, Sphere, Disk, Cylinder, Instance>;
 
 /// The mesh, or null for shapes that have no triangles and no texture coordinates per vertex.
 const Mesh* mesh_of(const Geometry& geometry);
+/// What its vertices and triangles take.
+std::size_t bytes_of(const Mesh& mesh);
 
 /// In world units squared.
 double triangle_area(const Mesh& mesh, const Triangle& triangle);
