@@ -156,7 +156,6 @@ void add_tiles(std::span<const SearchFrame> frames, std::span<const GroupColors>
                 add(found[i][g], some[i].frame->plan.groups[g].candidates.size(), sums[g]);
     }
     telling.tell();
-    if (tiles.empty() && progress) progress(1);  // no view sees an unknown
 }
 
 }  // namespace

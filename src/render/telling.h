@@ -21,12 +21,15 @@ class Telling {
         done_ += done;
         tell();
     }
-    /// What was not told yet.
+    /// What was not told yet; of nothing, that it is done.
     void tell() {
         if (!progress_ || is_telling_.exchange(true)) return;
         const Ended ended{is_telling_};
         const std::uint64_t done = done_;
-        if (done > std::exchange(told_, done)) progress_(static_cast<double>(done) / all_);
+        if (all_ == 0)
+            progress_(1);
+        else if (done > std::exchange(told_, done))
+            progress_(static_cast<double>(done) / all_);
     }
 
   private:
