@@ -79,16 +79,16 @@ Spread all_of(const Groups& groups) {
     return all;
 }
 
-/// The ratio of the groups' variances to those of `other`, or to one number.
-RatioInterval variance_ratio(const Groups& groups, const Groups& other) {
-    std::array<double, kGroups> ratios;
-    for (std::size_t i = 0; i < kGroups; ++i)
-        ratios[i] = groups[i].variance() / other[i].variance();
-    return ratio_interval(ratios);
+std::array<double, kGroups> variances_of(const Groups& groups) {
+    std::array<double, kGroups> variances;
+    for (std::size_t i = 0; i < kGroups; ++i) variances[i] = groups[i].variance();
+    return variances;
 }
-RatioInterval variance_ratio(const Groups& groups, double other) {
-    std::array<double, kGroups> ratios;
-    for (std::size_t i = 0; i < kGroups; ++i) ratios[i] = groups[i].variance() / other;
+
+/// The ratio of the groups' variances to those of `other`.
+RatioInterval variance_ratio(const Groups& groups, const Groups& other) {
+    std::array<double, kGroups> ratios = variances_of(groups);
+    for (std::size_t i = 0; i < kGroups; ++i) ratios[i] /= other[i].variance();
     return ratio_interval(ratios);
 }
 
@@ -134,7 +134,7 @@ Figure sign_figure(const ReproduceOptions& options, ExperimentResult& result) {
     const double floor = variance_floor();
     const RatioInterval ris = variance_ratio(at_32[0], at_256[0]),
                         pris = variance_ratio(at_32[1], at_256[1]),
-                        ris_of_floor = variance_ratio(at_256[0], floor),
+                        ris_of_floor = in_units_of(ratio_interval(variances_of(at_256[0])), floor),
                         ris_over_pris = variance_ratio(at_256[0], at_256[1]);
     f.measured = fmt::format(
         "From 32 to 256 candidates the variance of ris falls {} times and that of pris {} times; "

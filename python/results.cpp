@@ -202,8 +202,7 @@ void bind_summary(nb::module_& m) {
                   "estimator does not say.");
     c.def_prop_ro("iterations", iterations_of, nb::sig("def iterations(self) -> list[Iteration]"),
                   "Every one; of more than 16,384 the last of every two, of twice as many that of "
-                  "every four, "
-                  "and so on.");
+                  "every four, and so on.");
     c.def_prop_ro(
         "iteration_count", [](const PythonSummary& s) { return s.values.counts.iterations; },
         "How many the run had.");
