@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include <exception>
 #include <nlohmann/json.hpp>
 
 #include "burnish/error.h"
@@ -92,7 +91,9 @@ Checkpoint load_run(const OutputFolder& output, const Ranks& ranks) {
 }
 
 std::optional<Checkpoint> load_second_run(const std::string& folder, const Ranks& ranks) {
-    if (!agree(ranks, !checkpoints_in(folder).empty())) return {};
+    bool is_begun = false;
+    do_on_first(ranks, [&] { is_begun = !checkpoints_in(folder).empty(); });
+    if (!agree(ranks, is_begun)) return {};
     std::optional<Checkpoint> checkpoint;
     std::string damaged;
     try {
@@ -168,9 +169,9 @@ void RunCheckpoints::tell(const CheckpointNote& note) {
 }
 
 void RunCheckpoints::suspend() const {
-    std::exception_ptr failed;  // the first process alone has heard of it
-    if (!error_.empty()) failed = std::make_exception_ptr(OutputError(error_));
-    throw_from_first(ranks_, failed);
+    do_on_first(ranks_, [&] {  // it alone has heard of an error
+        if (!error_.empty()) throw OutputError(error_);
+    });
     throw Suspended(hint_);
 }
 

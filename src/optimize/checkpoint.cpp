@@ -5,9 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cstddef>
-#include <exception>
 #include <fstream>
-#include <functional>
 #include <utility>
 
 #include "burnish/error.h"
@@ -234,21 +232,6 @@ double expected_writing_seconds(const State::Values& state) {
     ArchiveWriter([&](const void*, std::size_t size) { bytes += size; })(state);
     return static_cast<double>(bytes) / kSlowDisk;
 }
-
-namespace {
-
-/// Work of the first process; where it fails, all fail.
-void do_on_first(const Ranks& ranks, const std::function<void()>& work) {
-    std::exception_ptr caught;
-    try {
-        if (is_first(ranks)) work();
-    } catch (...) {
-        caught = std::current_exception();
-    }
-    throw_from_first(ranks, caught);
-}
-
-}  // namespace
 
 CheckpointWriter::CheckpointWriter(const Checkpoints& options, std::vector<Input> problem,
                                    const Ranks& ranks, std::uint32_t first)

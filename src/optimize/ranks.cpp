@@ -110,6 +110,16 @@ void throw_from_first(const Ranks& ranks, const std::exception_ptr& caught) {
     throw Error("process 0 has failed: " + text);
 }
 
+void do_on_first(const Ranks& ranks, const std::function<void()>& work) {
+    std::exception_ptr caught;
+    try {
+        if (is_first(ranks)) work();
+    } catch (...) {
+        caught = std::current_exception();
+    }
+    throw_from_first(ranks, caught);
+}
+
 void require_bytes(const std::string& message, std::size_t bytes) {
     if (message.size() != bytes)
         throw Error(fmt::format("an exchange gave a message of {} bytes, expected {}",

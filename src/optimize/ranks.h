@@ -7,6 +7,7 @@
 
 #include <cstring>
 #include <exception>
+#include <functional>
 #include <stdexcept>
 #include <string>
 #include <type_traits>
@@ -51,6 +52,9 @@ std::string from_first(const Ranks& ranks, const std::string& message);
 /// Throws on all ranks what the first one has caught, null for nothing: itself there, the same on
 /// the others where it is OutputError or std::bad_alloc, otherwise Error.
 void throw_from_first(const Ranks& ranks, const std::exception_ptr& caught);
+
+/// Work of the first rank alone; what it throws, all throw.
+void do_on_first(const Ranks& ranks, const std::function<void()>& work);
 
 /// The bytes of a value, or of several in a row.
 template <class T>

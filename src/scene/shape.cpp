@@ -18,7 +18,8 @@ const Mesh* mesh_of(const Geometry& geometry) {
 
 std::size_t bytes_of(const Mesh& mesh) {
     return (mesh.positions.size() + mesh.normals.size()) * sizeof(Vec3f) +
-           mesh.uvs.size() * sizeof(Vec2f) + mesh.triangles.size() * sizeof(Triangle);
+           (mesh.uvs.size() + mesh.lookup_uvs.size()) * sizeof(Vec2f) +
+           mesh.triangles.size() * sizeof(Triangle);
 }
 
 double triangle_area(const Mesh& mesh, const Triangle& triangle) {
