@@ -33,6 +33,7 @@ def arguments_of():
     parser.add_argument("--views", choices=("capture", "front"), default="capture")
     parser.add_argument("--inputs", nargs="+", metavar="NAME", help="of the unknown's material, instead of it")
     parser.add_argument("--seconds", type=int, default=120, help="of each run")
+    parser.add_argument("--seed", type=int, default=0, help="of each run")
     parser.add_argument("--build", type=Path, help="a folder with the programs; nothing is built")
     return parser.parse_args()
 
@@ -71,7 +72,7 @@ def row(scene, capture, arguments, programs):
     folder = arguments.output / scene
     parameters = parameters_of(capture, arguments.inputs)
     call(programs / "burnish", "optimize", capture, *(f"--parameter={p}" for p in parameters),
-         "--time", arguments.seconds, "-o", folder, "--force")
+         "--time", arguments.seconds, "--seed", arguments.seed, "-o", folder, "--force")
     summary = json.loads((folder / "summary.json").read_text())["result"]
     before, after = judge(capture, parameters, folder / "textures", folder)
     search = search_of(programs, capture, parameters, arguments.seconds)
@@ -109,6 +110,7 @@ def command_of(arguments):
     parts += [f"--views {arguments.views}"] if arguments.views != "capture" else []
     parts += ["--inputs " + " ".join(arguments.inputs)] if arguments.inputs else []
     parts += [f"--seconds {arguments.seconds}"] if arguments.seconds != 120 else []
+    parts += [f"--seed {arguments.seed}"] if arguments.seed else []
     parts += ["--scenes " + " ".join(arguments.scenes)] if arguments.scenes else []
     return " ".join(parts)
 
