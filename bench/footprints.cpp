@@ -34,10 +34,10 @@ Pass trace_pass(const TraceInput& input, const Bitmap& bitmap, const PassTaps& t
         for (const DirectSample& d : out.direct_samples) {
             if (d.vertex > 0 || !d.has_unknowns) continue;
             const TexelFootprint foot = footprint(bitmap, d.record.uv);
-            const auto most =
+            const auto max =
                 std::max_element(foot.weight.begin(), foot.weight.begin() + foot.count);
             p.texels[begin + static_cast<std::size_t>(d.sample)] =
-                foot.texel[static_cast<std::size_t>(most - foot.weight.begin())];
+                foot.texel[static_cast<std::size_t>(max - foot.weight.begin())];
         }
     });
     return p;

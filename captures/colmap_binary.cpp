@@ -111,10 +111,10 @@ ColmapImage take_image(Bytes& bytes) {
 
 /// A count, then as many items of at least so many bytes each, then the end.
 template <class T>
-std::vector<T> read_all(const std::string& file, std::uint64_t least, const char* what,
+std::vector<T> read_all(const std::string& file, std::uint64_t min, const char* what,
                         T (*take)(Bytes&)) {
     Bytes bytes(file);
-    const std::uint64_t count = bytes.take_count(least, what);
+    const std::uint64_t count = bytes.take_count(min, what);
     std::vector<T> items;
     for (std::uint64_t i = 0; i < count; ++i) items.push_back(take(bytes));
     bytes.expect_end();

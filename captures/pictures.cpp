@@ -76,10 +76,10 @@ MaskFile read_mask(const std::filesystem::path& file, Turning turning) {
     MaskFile mask = weights_of_file(std::move(read));
     const std::string named = fmt::format("the mask ({})", file.string());
     require_finite(mask.weights, named);
-    constexpr float kMost = 1.001f;  // 1, as half a float may round it up
+    constexpr float kMax = 1.001f;  // 1, as half a float may round it up
     float largest = 0;
     for (const float weight : mask.weights.values) {
-        if (weight < 0 || weight > kMost)
+        if (weight < 0 || weight > kMax)
             throw InputError(
                 fmt::format("{} holds {}, expected weights from 0 to 1", named, weight));
         largest = std::max(largest, weight);

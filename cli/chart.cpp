@@ -57,9 +57,9 @@ std::string axes(const Chart& chart, const Extent& e) {
             "<line class=\"grid\" x1=\"{0:.1f}\" y1=\"{1:.1f}\" x2=\"{2:.1f}\" y2=\"{1:.1f}\"/>"
             "<text x=\"{3:.1f}\" y=\"{4:.1f}\" text-anchor=\"end\">{5:.6g}</text>",
             kLeft, place_y(e, y), right, kLeft - 8, place_y(e, y) + 4, y);
-    constexpr double kMostTicks = 8;
-    const double most = chart.whole_x ? std::clamp(e.x_high, 1.0, kMostTicks) : kMostTicks;
-    for (const double x : linear_ticks(0, e.x_high, static_cast<int>(most)))
+    constexpr double kMaxTicks = 8;
+    const double max = chart.whole_x ? std::clamp(e.x_high, 1.0, kMaxTicks) : kMaxTicks;
+    for (const double x : linear_ticks(0, e.x_high, static_cast<int>(max)))
         svg += fmt::format(
             "<line class=\"axis\" x1=\"{0:.1f}\" y1=\"{1:.1f}\" x2=\"{0:.1f}\" y2=\"{2:.1f}\"/>"
             "<text x=\"{0:.1f}\" y=\"{3:.1f}\" text-anchor=\"middle\">{4}</text>",
@@ -135,11 +135,11 @@ std::string chart_svg(const Chart& chart) {
     return svg + names.svg + "</svg>";
 }
 
-std::vector<double> linear_ticks(double low, double high, int most) {
-    const double least = (high - low) / most;
-    double step = std::pow(10.0, std::floor(std::log10(least)));
+std::vector<double> linear_ticks(double low, double high, int max) {
+    const double min = (high - low) / max;
+    double step = std::pow(10.0, std::floor(std::log10(min)));
     for (const double factor : {2.0, 2.5, 2.0}) {
-        if (step >= least) break;
+        if (step >= min) break;
         step *= factor;
     }
     std::vector<double> ticks;

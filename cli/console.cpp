@@ -125,8 +125,8 @@ std::string short_duration_text(double seconds) {
 }
 
 std::string digits_text(double number) {
-    constexpr double kMostDigits = 1e15;
-    if (!(number >= 999.5 && number < kMostDigits)) return fmt::format("{:.3g}", number);
+    constexpr double kMaxDigits = 1e15;
+    if (!(number >= 999.5 && number < kMaxDigits)) return fmt::format("{:.3g}", number);
     return count_text(static_cast<std::size_t>(number + 0.5));
 }
 

@@ -167,12 +167,12 @@ void check_texture_coordinates(const Scene& scene, Findings& findings) {
 void check_textures(const Scene& scene, Findings& findings) {
     for (const Parameter& p : scene.parameters) {
         const Image texels = linear_image(std::get<Bitmap>(scene[p.texture]));
-        const float most = largest_value(scene, p.texture);
+        const float max = largest_value(scene, p.texture);
         const auto count = std::count_if(texels.values.begin(), texels.values.end(),
-                                         [&](float v) { return !(v >= 0 && v <= most); });
+                                         [&](float v) { return !(v >= 0 && v <= max); });
         if (count > 0)
             findings.push_back(fmt::format("{}: {} of {} values lie outside of [0, {}]", p.name,
-                                           count, texels.values.size(), most));
+                                           count, texels.values.size(), max));
     }
 }
 

@@ -89,7 +89,7 @@ struct LightPlace {
 /// Of the triangles of a mesh, evenly spread: a lamp may be stuck into a surface in part. One
 /// without area has no normal and is left out.
 std::vector<LightPlace> places_on(std::span<const TriangleRecord> records) {
-    constexpr std::size_t kMost = 16;
+    constexpr std::size_t kMax = 16;
     std::vector<LightPlace> all, some;
     for (const TriangleRecord& r : records) {
         if (!is_finite(r.geometric_normal)) continue;
@@ -97,7 +97,7 @@ std::vector<LightPlace> places_on(std::span<const TriangleRecord> records) {
         all.push_back(
             {leave_surface(middle, r.geometric_normal, r.geometric_normal), r.geometric_normal});
     }
-    const std::size_t count = std::min(kMost, all.size());
+    const std::size_t count = std::min(kMax, all.size());
     for (std::size_t i = 0; i < count; ++i) some.push_back(all[i * all.size() / count]);
     return some;
 }

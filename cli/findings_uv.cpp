@@ -36,9 +36,9 @@ constexpr double kWorthSaying = 0.1;  // a seam or a hidden rim overlaps, too
 /// Of a grid for each of so many meshes: a share of the area is all that is asked, and all grids
 /// together are filled in about a second.
 int grid_side(std::size_t meshes) {
-    constexpr double kMostCells = 1 << 26;  // of all grids
+    constexpr double kMaxCells = 1 << 26;  // of all grids
     return static_cast<int>(
-        std::clamp(std::sqrt(kMostCells / static_cast<double>(meshes)), 32.0, 512.0));
+        std::clamp(std::sqrt(kMaxCells / static_cast<double>(meshes)), 32.0, 512.0));
 }
 
 UvCovers covers_of(const Mesh& mesh, const UvTransform& to_uv, int side) {
@@ -130,12 +130,12 @@ void check_overlaps(const Scene& scene, Findings& findings) {
         shares[i] = shares_of(covers_of(mesh, fitted(mesh), side)).overlapping;
     });
     std::size_t count = 0;
-    double most = 0;
+    double max = 0;
     std::string worst;
     for (std::size_t i = 0; i < meshes.size(); ++i) {
         if (shares[i] <= kWorthSaying) continue;
         ++count;
-        if (shares[i] > most) most = shares[i], worst = meshes[i].shape;
+        if (shares[i] > max) max = shares[i], worst = meshes[i].shape;
     }
     if (count == 0) return;
     const std::string which = count == 1 ? fmt::format("shape '{}'", worst)
@@ -143,12 +143,12 @@ void check_overlaps(const Scene& scene, Findings& findings) {
     findings.push_back(fmt::format(
         "{}: {:.0f} % of its texture lies on several places of the surface, which overlap in "
         "texture coordinates and get one value together",
-        which, 100 * most));
+        which, 100 * max));
 }
 
 void check_shared_textures(const Scene& scene, Findings& findings) {
     std::size_t count = 0;
-    double most = 0;
+    double max = 0;
     std::string worst;
     const int side = grid_side(readers_of_parameters(scene).size());
     std::vector<TextureId> known;  // several parameters may be one
@@ -167,8 +167,8 @@ void check_shared_textures(const Scene& scene, Findings& findings) {
             share = shares_of(meshes.emplace(count_meshes(readers, to_uv, side))).overlapping;
         if (share <= kWorthSaying) continue;
         ++count;
-        if (share <= most) continue;  // so are those of others with the same readers
-        most = share;
+        if (share <= max) continue;  // so are those of others with the same readers
+        max = share;
         worst = fmt::format(
             "shapes {} share {:.0f} % of the used texels of {}, which get one value together",
             sharing_shapes(readers, to_uv, *meshes), 100 * share, p.name);
@@ -182,20 +182,20 @@ void check_shared_textures(const Scene& scene, Findings& findings) {
 void check_resolution(const Scene& scene, std::span<const double> pixels, Findings& findings) {
     constexpr double kMaxTexelsPerPixel = 100;
     std::size_t count = 0, worst = 0;
-    double most = 0;
+    double max = 0;
     for (std::size_t i = 0; i < pixels.size(); ++i) {
         const auto& bitmap = std::get<Bitmap>(scene[scene.parameters[i].texture]);
         const double texels = 1.0 * bitmap.width * bitmap.height;
         if (!(pixels[i] > 0) || texels <= kMaxTexelsPerPixel * pixels[i]) continue;
         ++count;
-        if (texels / pixels[i] > most) most = texels / pixels[i], worst = i;
+        if (texels / pixels[i] > max) max = texels / pixels[i], worst = i;
     }
     if (count > 0)
         findings.push_back(fmt::format(
             "{} of the {} parameters have over {:.0f} texels for each pixel that shows them "
             "({:.0f} "
             "of {}): a picture cannot tell these apart",
-            count, pixels.size(), kMaxTexelsPerPixel, most, scene.parameters[worst].name));
+            count, pixels.size(), kMaxTexelsPerPixel, max, scene.parameters[worst].name));
 }
 
 }  // namespace burnish

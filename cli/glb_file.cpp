@@ -75,15 +75,15 @@ Glb open_glb(const std::filesystem::path& file) {
     return glb;
 }
 
-std::size_t whole(const Value& v, double most) {
+std::size_t whole(const Value& v, double max) {
     const double n = number(v);
-    if (!(n >= 0 && n <= most && n == std::floor(n)))
-        fail(v, fmt::format("a whole number from 0 to {:.0f}", most));
+    if (!(n >= 0 && n <= max && n == std::floor(n)))
+        fail(v, fmt::format("a whole number from 0 to {:.0f}", max));
     return static_cast<std::size_t>(n);
 }
 
-std::size_t whole_or(const Value& object, const char* name, std::size_t otherwise, double most) {
-    return has(object, name) ? whole(member(object, name), most) : otherwise;
+std::size_t whole_or(const Value& object, const char* name, std::size_t otherwise, double max) {
+    return has(object, name) ? whole(member(object, name), max) : otherwise;
 }
 
 std::size_t count_of(const Value& object, const char* name) {
@@ -104,7 +104,7 @@ Value entry(const Glb& glb, const char* array, const Value& index) {
 
 Accessor accessor(const Glb& glb, const Value& index, const std::string& type,
                   std::size_t components) {
-    constexpr double kMost = 4294967295.0;
+    constexpr double kMax = 4294967295.0;
     const Value a = entry(glb, "accessors", index);
     if (has(a, "sparse") || !has(a, "bufferView"))
         fail(a, "an accessor with a bufferView, not sparse");
@@ -113,13 +113,13 @@ Accessor accessor(const Glb& glb, const Value& index, const std::string& type,
     const std::size_t size = size_of_component(member(a, "componentType"));
     const Value view = entry(glb, "bufferViews", member(a, "bufferView"));
     require_member(view, "buffer"), require_member(view, "byteLength");
-    if (whole(member(view, "buffer"), kMost) != 0)
+    if (whole(member(view, "buffer"), kMax) != 0)
         fail(member(view, "buffer"), "0: the file's own chunk; export it as one .glb");
-    const std::size_t begin = whole_or(view, "byteOffset", 0, kMost),
-                      length = whole(member(view, "byteLength"), kMost),
-                      offset = whole_or(a, "byteOffset", 0, kMost);
+    const std::size_t begin = whole_or(view, "byteOffset", 0, kMax),
+                      length = whole(member(view, "byteLength"), kMax),
+                      offset = whole_or(a, "byteOffset", 0, kMax);
     Accessor result;
-    result.count = whole(member(a, "count"), kMost);
+    result.count = whole(member(a, "count"), kMax);
     result.stride = whole_or(view, "byteStride", size * components, 252);
     result.type = whole(member(a, "componentType"), 1e6);
     result.normalized = has(a, "normalized") && member(a, "normalized").value == true;

@@ -24,9 +24,9 @@ inline Value document(const Glb& glb) { return {glb.json, glb.name, ""}; }
 
 // What reads the document throws InputError: file, key, what was found and what was expected.
 
-/// A whole number from 0 to `most`.
-std::size_t whole(const Value& v, double most);
-std::size_t whole_or(const Value& object, const char* name, std::size_t otherwise, double most);
+/// A whole number from 0 to `max`.
+std::size_t whole(const Value& v, double max);
+std::size_t whole_or(const Value& object, const char* name, std::size_t otherwise, double max);
 /// How many elements a member of an object has, an array; 0 without it.
 std::size_t count_of(const Value& object, const char* name);
 /// The element that `index` names of an array of the document.

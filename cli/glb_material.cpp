@@ -26,7 +26,7 @@ std::optional<Value> first_texture(const Value& material) {
 /// Translation * rotation * scale. The rotation is counterclockwise as one looks at the picture,
 /// whose v runs downwards.
 UvTransform uv_transform(const Value& extension) {
-    constexpr double kMost = 1e9;
+    constexpr double kMax = 1e9;
     const auto pair = [&](const char* name, double otherwise) {
         return has(extension, name) ? numbers(member(extension, name), 2)
                                     : std::vector<double>{otherwise, otherwise};
@@ -38,7 +38,7 @@ UvTransform uv_transform(const Value& extension) {
                                   -scale[0] * s, scale[1] * c, offset[1]};
     UvTransform t;
     for (std::size_t i = 0; i < m.size(); ++i) {
-        if (!(std::abs(m[i]) < kMost)) fail(extension, "a transform of numbers below 1e9");
+        if (!(std::abs(m[i]) < kMax)) fail(extension, "a transform of numbers below 1e9");
         t.m[i] = static_cast<float>(m[i]);
     }
     return t;
@@ -47,7 +47,7 @@ UvTransform uv_transform(const Value& extension) {
 }  // namespace
 
 GlbMaterial read_material(const Glb& glb, std::size_t index) {
-    constexpr double kMost = 1e9;
+    constexpr double kMax = 1e9;
     GlbMaterial read;
     if (index >= count_of(document(glb), "materials")) return read;
     const Value material = element(member(document(glb), "materials"), index);
@@ -55,11 +55,11 @@ GlbMaterial read_material(const Glb& glb, std::size_t index) {
         has(material, "doubleSided") && member(material, "doubleSided").value == true;
     const std::optional<Value> texture = first_texture(material);
     if (!texture) return read;
-    read.uv_set = whole_or(*texture, "texCoord", 0, kMost);
+    read.uv_set = whole_or(*texture, "texCoord", 0, kMax);
     const auto extensions = find(*texture, "extensions");
     if (!extensions) return read;
     if (const auto transform = find(*extensions, "KHR_texture_transform")) {
-        read.uv_set = whole_or(*transform, "texCoord", read.uv_set, kMost);
+        read.uv_set = whole_or(*transform, "texCoord", read.uv_set, kMax);
         read.to_uv = uv_transform(*transform);
     }
     return read;

@@ -141,9 +141,9 @@ void append(const Mesh& part, const Transform& to_world, Mesh& mesh) {
 
 /// How many primitives, vertices and triangles each a file may have in all. Nodes and primitives
 /// may share what it holds, so that a small file could have any number.
-std::size_t most_of(const Glb& glb) {
-    constexpr std::size_t kMost = 100'000'000, kAlways = 1'000'000, kPerByte = 16;
-    return std::min(kMost, std::max(kAlways, kPerByte * glb.bytes.size()));
+std::size_t max_of(const Glb& glb) {
+    constexpr std::size_t kMax = 100'000'000, kAlways = 1'000'000, kPerByte = 16;
+    return std::min(kMax, std::max(kAlways, kPerByte * glb.bytes.size()));
 }
 
 /// Where it stands, and the mesh's name.
@@ -183,25 +183,24 @@ void add_primitive(const Value& mesh, std::size_t index, const Transform& to_wor
     constexpr std::size_t kTriangles = 4, kFan = 6;
     const Value primitive = element(member(mesh, "primitives"), index);
     const std::size_t mode = whole_or(primitive, "mode", kTriangles, kFan);
-    const std::size_t most = most_of(reader.glb);
-    if (++reader.primitives > most)
-        fail(primitive, fmt::format("at most {} primitives in all", most));
+    const std::size_t max = max_of(reader.glb);
+    if (++reader.primitives > max)
+        fail(primitive, fmt::format("at most {} primitives in all", max));
     if (mode < kTriangles) {
         ++reader.others;
         return;
     }
     const std::size_t count = vertices_of(reader.glb, primitive);
     reader.vertices_read += count;
-    if (reader.vertices_read > most)
-        fail(primitive, fmt::format("at most {} vertices in all", most));
+    if (reader.vertices_read > max) fail(primitive, fmt::format("at most {} vertices in all", max));
     Mesh part = read_primitive(reader.glb, primitive, mode, count);
     const Mesh& read = reader.file.mesh;
     const std::size_t vertices =
         part.normals.empty() ? 3 * part.triangles.size() : part.positions.size();
-    if (read.positions.size() + vertices > most)
-        fail(primitive, fmt::format("at most {} vertices in all", most));
-    if (read.triangles.size() + part.triangles.size() > most)
-        fail(primitive, fmt::format("at most {} triangles in all", most));
+    if (read.positions.size() + vertices > max)
+        fail(primitive, fmt::format("at most {} vertices in all", max));
+    if (read.triangles.size() + part.triangles.size() > max)
+        fail(primitive, fmt::format("at most {} triangles in all", max));
     apply_material(primitive, part, reader);
     if (part.normals.empty()) part = with_face_normals(part);
     append(part, to_world, reader.file.mesh);

@@ -58,7 +58,7 @@ MemoryEstimate plan_cache(const RunViews& views, std::span<const PathCachePlan> 
     const double fresh = fresh_bytes(cache, plans, options.batch);
     // No more is traced than is kept: half of what is left is enough.
     const double others = fixed + std::min(fresh, std::max(limit - fixed, 0.0) / 2);
-    const double least = 2.0 * static_cast<double>(max_bytes_per_pass(plans));
+    const double pass = 2.0 * static_cast<double>(max_bytes_per_pass(plans));
     const double left = limit - others;
     const std::size_t all = bytes_of_windows(cache, plans);
     const std::size_t wanted = asked > 0 ? std::min(asked, all) : all;
@@ -70,12 +70,12 @@ MemoryEstimate plan_cache(const RunViews& views, std::span<const PathCachePlan> 
             "expected {} or more",
             bytes_text(static_cast<double>(wanted)), bytes_text(limit),
             bytes_text(std::max(left, 0.0)), enough));
-    if (left < std::max(least, 1.0))
+    if (left < std::max(pass, 1.0))
         throw ResourceError(fmt::format(
             "the scene, its images, textures and fresh samples take about {}, one pass in each "
             "half of the path cache up to {}: expected {} or more, found {}",
-            bytes_text(others), bytes_text(least),
-            limit_text(fixed + std::min(fresh + least, 2 * least)), bytes_text(limit)));
+            bytes_text(others), bytes_text(pass),
+            limit_text(fixed + std::min(fresh + pass, 2 * pass)), bytes_text(limit)));
     if (are_fewer)
         log_warning(
             fmt::format("path_cache.max_bytes is {}, of which the run can use {}, the limit of the "
@@ -175,9 +175,9 @@ void plan_memory(RunViews views, RunResult& run) {
     run.memory = plan(run.settings.options);
     if (!run.settings.compared) return;
     const MemoryEstimate other = plan(*run.settings.compared);
-    const double most = std::max(maximum(run.memory), maximum(other));
+    const double larger = std::max(maximum(run.memory), maximum(other));
     if (expected(other) > expected(run.memory)) run.memory = other;
-    if (most > maximum(run.memory)) run.memory.max_records = most - without_records(run.memory);
+    if (larger > maximum(run.memory)) run.memory.max_records = larger - without_records(run.memory);
 }
 
 }  // namespace burnish

@@ -78,8 +78,8 @@ void add_triangle(const UvTriangle& t, UvCovers& covers, std::size_t& below_two)
     const auto wrapped = [](int i, int size) { return ((i % size) + size) % size; };
     const auto [x0, x1] = std::minmax({t[0].x, t[1].x, t[2].x});
     const auto [y0, y1] = std::minmax({t[0].y, t[1].y, t[2].y});
-    constexpr double kMost = 1e9;  // of numbers of texels
-    if (!(y1 - y0 <= 2 * height && -x0 < kMost && x1 < kMost && -y0 < kMost && y1 < kMost)) {
+    constexpr double kMax = 1e9;  // of numbers of texels
+    if (!(y1 - y0 <= 2 * height && -x0 < kMax && x1 < kMax && -y0 < kMax && y1 < kMax)) {
         for (unsigned char& count : covers.count) raise(count, below_two);
         return;
     }
@@ -196,10 +196,10 @@ CoveredShares shares_of(const UvCovers& covers) {
 }
 
 std::string complaint_of_place(const Box& box) {
-    constexpr double kMost = 0.01;  // of its size: corners and contact shadows are seen to change
+    constexpr double kMax = 0.01;  // of its size: corners and contact shadows are seen to change
     const double far = double{farthest(box)}, extent = extent_of(box);
     const double offset = double{kRayOffset} * (1 + far);
-    if (!(extent > 0 && offset > kMost * extent)) return {};
+    if (!(extent > 0 && offset > kMax * extent)) return {};
     if (far < 1)
         return fmt::format(
             "is {:.3g} units large, and rays begin {:.2g} off its surface: scale the scene up",

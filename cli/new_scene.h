@@ -15,8 +15,8 @@ struct NewScene {
     std::filesystem::path mesh;  ///< .obj, .ply or .glb
     /// Radiance, longitude and latitude; empty: 1 from everywhere.
     std::filesystem::path environment;
-    int texture_size = 1024;  ///< on a side
-    UpAxis up = UpAxis::kY;   ///< of the mesh; the sky is turned along
+    int texture_size = 1024;           ///< on a side
+    UpAxis up = UpAxis::kY;            ///< of the mesh; the sky is turned along
     std::vector<Camera> cameras = {};  ///< of pictures; empty: one is made up
 };
 

@@ -93,8 +93,8 @@ Image signed_color(const Image& image, float white) {
 
 const char* false_color_gradient() { return kStopsCss; }
 
-Image shrink(const Image& image, int most, std::span<const char> counting) {
-    const int factor = std::max(1, (std::max(image.width, image.height) + most - 1) / most);
+Image shrink(const Image& image, int max, std::span<const char> counting) {
+    const int factor = std::max(1, (std::max(image.width, image.height) + max - 1) / max);
     if (factor == 1 && counting.empty()) return image;
     const auto counts = [&](int x, int y) {
         return counting.empty() || counting[static_cast<std::size_t>(y) * image.width + x] != 0;

@@ -33,9 +33,9 @@ Image signed_color(const Image& image, float white);
 /// CSS colours of false_color from low to high.
 const char* false_color_gradient();
 
-/// Averaged down so that no side exceeds `most` pixels; smaller images stay as they are. counting:
+/// Averaged down so that no side exceeds `max` pixels; smaller images stay as they are. counting:
 /// of each pixel; empty: all count. What does not count is in no average; 0 where nothing counts.
-Image shrink(const Image& image, int most, std::span<const char> counting = {});
+Image shrink(const Image& image, int max, std::span<const char> counting = {});
 
 /// A PNG as a data URI.
 std::string png_data_uri(const Image& image, bool srgb);

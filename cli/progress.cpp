@@ -59,14 +59,14 @@ double seconds_since(std::chrono::steady_clock::time_point start) {
 
 std::string progress_line(const std::string& title, const std::string& text,
                           std::optional<double> share, std::size_t columns) {
-    constexpr std::size_t kMost = 24, kLeast = 6, kFrame = 3;  // of a bar; its ends and a space
-    const std::size_t all = columns - 1;                       // a full line would wrap
+    constexpr std::size_t kMax = 24, kMin = 6, kFrame = 3;  // of a bar; its ends and a space
+    const std::size_t all = columns - 1;                    // a full line would wrap
     const std::string numbers = "  " + printable(text);
     const std::size_t room = all - std::min(all, columns_of(numbers));
     const std::string name = shortened(printable(title), room);
     const std::size_t left = room - columns_of(name);
-    if (!share || left < kLeast + kFrame) return shortened(name + numbers, all);
-    const std::size_t cells = std::min(kMost, left - kFrame);
+    if (!share || left < kMin + kFrame) return shortened(name + numbers, all);
+    const std::size_t cells = std::min(kMax, left - kFrame);
     const auto filled =
         static_cast<std::size_t>(std::clamp(*share, 0.0, 1.0) * static_cast<double>(cells));
     return fmt::format("{}  [{:=<{}}{: <{}}] {}", name, "", filled, "", cells - filled,

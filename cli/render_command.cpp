@@ -37,14 +37,14 @@ void require_image_name(const std::filesystem::path& file) {
 
 /// About three days on two cores; nobody means it.
 void check_samples(const Film& film, std::uint32_t samples) {
-    constexpr double kMost = 1e12;
+    constexpr double kMax = 1e12;
     const double all = samples * pixels_of(film);
-    if (all > kMost)
+    if (all > kMax)
         throw InputError(
             fmt::format("{} x {} pixels of {} samples are {:.2g} samples: expected at most {:.0g}, "
                         "take a smaller "
                         "--spp or --size",
-                        film.crop_width, film.crop_height, samples, all, kMost));
+                        film.crop_width, film.crop_height, samples, all, kMax));
 }
 
 /// The channels that the film asks for; alpha only where the file has room for it.

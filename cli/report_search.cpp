@@ -15,12 +15,12 @@ namespace burnish {
 
 namespace {
 
-constexpr std::size_t kMostValues = 12;  ///< of a table
+constexpr std::size_t kMaxValues = 12;  ///< of a table
 
 /// In the order in which they were tried.
 std::vector<SearchedValues> shown_values(const SearchedGroup& group) {
     std::vector<SearchedValues> shown = group.tried;
-    while (shown.size() > kMostValues)
+    while (shown.size() > kMaxValues)
         shown.erase(std::min_element(
             shown.begin(), shown.end(), [](const SearchedValues& a, const SearchedValues& b) {
                 return std::pair(a.regions, -a.loss) < std::pair(b.regions, -b.loss);

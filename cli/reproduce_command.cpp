@@ -222,10 +222,10 @@ std::vector<Part> wanted_parts(const CommandLine& line, std::span<const KnownTar
     for (const Experiment& e : experiments()) {
         if (!is_wanted(line, e)) continue;
         if (e.max_scenes == 0) parts.push_back({&e, nullptr});
-        std::size_t most = line.full ? e.full_scenes : e.max_scenes;
-        if (are_named && most > 0) most = targets.size();
+        std::size_t max = line.full ? e.full_scenes : e.max_scenes;
+        if (are_named && max > 0) max = targets.size();
         for (const KnownTarget& t : targets)
-            if (most > 0 && is_wanted(line, e, t)) parts.push_back({&e, &t}), --most;
+            if (max > 0 && is_wanted(line, e, t)) parts.push_back({&e, &t}), --max;
     }
     return parts;
 }

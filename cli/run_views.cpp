@@ -135,14 +135,14 @@ namespace {
 
 /// Of all views: what shows no surface.
 void mask_backgrounds(const std::vector<Renderer>& renderers, std::vector<View>& views) {
-    double least = 1, most = 0;
+    double min = 1, max = 0;
     for (std::size_t i = 0; i < views.size(); ++i)
         naming_view(views[i], i, views.size(), [&] {
             const double share = mask_background(renderers[i], views[i]);
-            least = std::min(least, share), most = std::max(most, share);
+            min = std::min(min, share), max = std::max(max, share);
         });
     const auto percent = [](double share) { return fmt::format("{:.0f}", 100 * share); };
-    const std::string from = percent(least), to = percent(most);
+    const std::string from = percent(min), to = percent(max);
     log_info(fmt::format("left out: {} % of a picture, which show no surface or its edge",
                          from == to ? to : from + " to " + to));
 }

@@ -102,11 +102,11 @@ void replace_textures(Scene& scene, const std::vector<std::string>& assignments)
         names.push_back(name), replaced.push_back(p.texture);
         auto& bitmap = std::get<Bitmap>(scene[p.texture]);
         const Image texels = read_texels(bitmap, value, "the texture for " + p.name);
-        const float most = largest_value(scene, p.texture);
+        const float max = largest_value(scene, p.texture);
         if (!std::all_of(texels.values.begin(), texels.values.end(),
-                         [&](float v) { return v >= 0 && v <= most; }))
+                         [&](float v) { return v >= 0 && v <= max; }))
             throw InputError(
-                fmt::format("the texture for {} holds values outside of [0, {}]", p.name, most));
+                fmt::format("the texture for {} holds values outside of [0, {}]", p.name, max));
         replace_texels(bitmap, texels);
     }
 }

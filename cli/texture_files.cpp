@@ -17,8 +17,8 @@ Image read_texels(const Bitmap& bitmap, const std::string& text, const std::stri
         return make_image(bitmap.width, bitmap.height, bitmap.channels,
                           static_cast<float>(*number));
     ImageFile file = read_image_file(text);
-    const auto least = [](int side) { return side == kBitmapSide ? kBitmapSide : 1; };
-    file.image = padded_to(std::move(file.image), least(bitmap.width), least(bitmap.height));
+    const auto min = [](int side) { return side == kBitmapSide ? kBitmapSide : 1; };
+    file.image = padded_to(std::move(file.image), min(bitmap.width), min(bitmap.height));
     const std::string named = fmt::format("{} ({})", what, text);
     require_size(file.image, bitmap.width, bitmap.height, named, "the size of the texture");
     require_finite(file.image, named);
@@ -44,8 +44,8 @@ std::string file_name_of(const std::string& given) {
         if (!plain) c = '_';
     }
     if (name.empty() || name.front() == '.') name.insert(name.begin(), '_');
-    constexpr std::size_t kMost = 200;  // of the 255 bytes of a file system: endings follow
-    return name.substr(0, kMost);
+    constexpr std::size_t kMax = 200;  // of the 255 bytes of a file system: endings follow
+    return name.substr(0, kMax);
 }
 
 std::vector<std::string> unique_names(std::vector<std::string> names) {

@@ -175,10 +175,10 @@ void set_specular_tint(MaterialWriter& writer, const Principled& p) {
     const std::vector<TextureId> read = tint_textures(p, kSpecTint, true);
     const auto tint = [&](const Vec2f& uv) { return tinted(writer, p, kSpecTint, uv); };
     const std::optional<Raster> raster = joint_raster(writer.table, read);
-    const float most = raster ? std::max(1.0f, largest_of(*raster, tint)) : 1;
+    const float max = raster ? std::max(1.0f, largest_of(*raster, tint)) : 1;
     const Slot slot =
-        make_slot(writer, read, true, [&](const Vec2f& uv) { return tint(uv) * (1 / most); });
-    const Rgbf factor = slot.factor * most;
+        make_slot(writer, read, true, [&](const Vec2f& uv) { return tint(uv) * (1 / max); });
+    const Rgbf factor = slot.factor * max;
     GltfJson specular{{"specularColorFactor", {factor.x, factor.y, factor.z}}};
     set_texture(specular, "specularColorTexture", slot);
     add_extension(writer, "KHR_materials_specular", specular);

@@ -49,12 +49,12 @@ float repetitions_of(const Raster& raster) {
 
 /// Texels for a side (0: width) of the unit square that `back` takes to uv: as fine as the raster.
 int texels_under(const Raster& raster, const UvTransform& back, std::size_t side) {
-    constexpr float kMost = 4096, kRounding = 1e-5f;
+    constexpr float kMax = 4096, kRounding = 1e-5f;
     const auto& m = raster.to_uv.m;
     const float du = back.m[side], dv = back.m[3 + side];
     const float texels = std::hypot((m[0] * du + m[1] * dv) * static_cast<float>(raster.width),
                                     (m[3] * du + m[4] * dv) * static_cast<float>(raster.height));
-    return static_cast<int>(std::ceil(std::min(kMost, texels * (1 - kRounding))));
+    return static_cast<int>(std::ceil(std::min(kMax, texels * (1 - kRounding))));
 }
 
 /// Calls visit(linear RGB) for each texel of a row.

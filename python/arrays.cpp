@@ -87,10 +87,10 @@ std::string shape_text(nb::handle array) { return repr_of(nb::object(array.attr(
 
 /// Of an array of whole numbers.
 void require_weights(const Image& image, const std::string& what, const std::string& type) {
-    const float most = *std::max_element(image.values.begin(), image.values.end());
-    if (most > 1)
+    const float max = *std::max_element(image.values.begin(), image.values.end());
+    if (max > 1)
         throw InputError(fmt::format("{}: found {} up to {}, expected weights from 0 to 1", what,
-                                     type, static_cast<long long>(most)));
+                                     type, static_cast<long long>(max)));
 }
 
 }  // namespace

@@ -80,10 +80,10 @@ std::size_t coefficient_count(LensKind kind) {
 
 Lens make_lens(const std::string& kind, const std::vector<double>& coefficients) {
     Lens lens{lens_kind(kind)};
-    const std::size_t most = coefficient_count(lens.kind);
-    if (coefficients.size() > most)
+    const std::size_t max = coefficient_count(lens.kind);
+    if (coefficients.size() > max)
         throw InputError(fmt::format("the lens has {} coefficients, expected at most {}",
-                                     coefficients.size(), most));
+                                     coefficients.size(), max));
     std::copy(coefficients.begin(), coefficients.end(), lens.coefficients.begin());
     return lens;
 }

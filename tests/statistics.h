@@ -62,8 +62,8 @@ inline double mean_p_value(double mean, double standard_error, double expected) 
 inline double holm_minimum(const std::vector<double>& p) {
     for (const double x : p)
         if (std::isnan(x)) return x;
-    const auto least = std::min_element(p.begin(), p.end());
-    return least == p.end() ? 1 : std::min(1.0, *least * static_cast<double>(p.size()));
+    const auto min = std::min_element(p.begin(), p.end());
+    return min == p.end() ? 1 : std::min(1.0, *min * static_cast<double>(p.size()));
 }
 
 /// Mean, variance and skewness as numbers arrive [Welford 1962; Terriberry 2007].
@@ -91,10 +91,10 @@ inline RunningMean larger_by(double factor, RunningMean m) {
 }
 
 /// p-value of the goodness of fit of counts to expected counts (same total where nothing is lost).
-/// Bins are pooled in ascending order of expectation until each pool expects at least `least`; a
+/// Bins are pooled in ascending order of expectation until each pool expects at least `min`; a
 /// count where nothing is expected is impossible and gives 0.
 inline double goodness_of_fit_p_value(const std::vector<double>& observed,
-                                      const std::vector<double>& expected, double least = 5) {
+                                      const std::vector<double>& expected, double min = 5) {
     for (std::size_t i = 0; i < observed.size(); ++i)
         if (std::isnan(observed[i] + expected[i])) return observed[i] + expected[i];
     std::vector<std::size_t> order(observed.size());
@@ -107,7 +107,7 @@ inline double goodness_of_fit_p_value(const std::vector<double>& observed,
         if (expected[i] <= 0 && observed[i] > 0) return 0;
         o += observed[i];
         e += expected[i];
-        if (e < least && rank + 1 < order.size()) continue;
+        if (e < min && rank + 1 < order.size()) continue;
         if (e > 0) statistic += (o - e) * (o - e) / e, ++pools;
         o = e = 0;
     }

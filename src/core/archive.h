@@ -130,12 +130,12 @@ class ArchiveReader {
     /// allocates nothing.
     template <class Item>
     std::size_t count() {
-        std::uint64_t n = 0, least = 0;
+        std::uint64_t n = 0, min = 0;
         raw(&n, sizeof n);
-        ArchiveWriter{[&least](const void*, std::size_t size) { least += size; }}(Item{});
-        if (n > left() / least)
+        ArchiveWriter{[&min](const void*, std::size_t size) { min += size; }}(Item{});
+        if (n > left() / min)
             fail("an array of " + std::to_string(n) + " items",
-                 "at most " + std::to_string(left() / least));
+                 "at most " + std::to_string(left() / min));
         return static_cast<std::size_t>(n);
     }
     template <class T>

@@ -98,9 +98,9 @@ double size_of(const GradientCheck& check) {
 /// Where paths are drawn by the texture, images differ by jumps as samples take other paths within
 /// the steps. Few batches in which one does tell neither mean nor standard error.
 bool is_told(const std::vector<double>& jumps, const GradientCheck& check) {
-    constexpr double kLeast = 1e-3;
+    constexpr double kMin = 1e-3;
     return std::ranges::count_if(
-               jumps, [&](double jump) { return jump > kLeast * size_of(check); }) >= kCheckDrawn;
+               jumps, [&](double jump) { return jump > kMin * size_of(check); }) >= kCheckDrawn;
 }
 
 /// rounding: about that of the difference.

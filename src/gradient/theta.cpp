@@ -66,15 +66,15 @@ bool read_as_metallic(const Scene& scene, TextureId texture) {
 
 std::size_t read_together(const Scene& scene, std::span<const TextureId> recovered,
                           TextureId texture) {
-    std::size_t most = 0;
+    std::size_t max = 0;
     for (std::size_t i = 0; i < scene.bsdfs.size(); ++i) {
         const BsdfId bsdf{static_cast<std::int32_t>(i)};
         if (reads(scene, bsdf, texture))
-            most = std::max(most, static_cast<std::size_t>(std::count_if(
-                                      recovered.begin(), recovered.end(),
-                                      [&](TextureId id) { return reads(scene, bsdf, id); })));
+            max = std::max(max, static_cast<std::size_t>(std::count_if(
+                                    recovered.begin(), recovered.end(),
+                                    [&](TextureId id) { return reads(scene, bsdf, id); })));
     }
-    return most;
+    return max;
 }
 
 std::vector<char> unknown_bsdfs(const Scene& scene, std::span<const int> slots) {

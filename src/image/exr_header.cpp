@@ -16,8 +16,8 @@ namespace burnish {
 
 namespace {
 
-constexpr std::uint64_t kMostName = 255;  ///< characters
-constexpr std::uint64_t kPlace = 8;       ///< bytes of the place of a chunk
+constexpr std::uint64_t kMaxName = 255;  ///< characters
+constexpr std::uint64_t kPlace = 8;      ///< bytes of the place of a chunk
 
 /// What says how many chunks a part has.
 struct Chunks {
@@ -28,7 +28,7 @@ struct Chunks {
 
 /// Up to the 0 behind it. Returns whether there is one.
 bool read_name(std::istream& stream, std::string& name) {
-    std::array<char, kMostName + 1> text;
+    std::array<char, kMaxName + 1> text;
     stream.getline(text.data(), text.size(), '\0');
     name = text.data();
     return !stream.fail() && !stream.eof();
@@ -47,7 +47,7 @@ void note(const std::string& attribute, std::string_view value, Chunks& chunks) 
     if (attribute == "chunkCount") chunks.count = word(0);
 }
 
-std::uint64_t least_chunks(const Chunks& c) {
+std::uint64_t min_chunks(const Chunks& c) {
     if (c.tile_width == 0 || c.tile_height == 0) return c.count;
     if (std::max(c.width, c.height) > kMaxImageSide) return c.count;  // refused by the library
     const auto tiles = [](std::uint64_t pixels, std::uint64_t side) {
@@ -59,13 +59,13 @@ std::uint64_t least_chunks(const Chunks& c) {
 /// Returns whether the header has any attribute: behind the last one of a file of parts stands one
 /// that has none. What is no attribute, the library refuses.
 bool require_header(const std::string& name, std::uint64_t size, std::istream& stream) {
-    constexpr std::uint64_t kMostOfValue = 16;
+    constexpr std::uint64_t kMaxOfValue = 16;
     Chunks chunks;
     std::string attribute, type;
     bool has_any = false;
     while (read_name(stream, attribute) && !attribute.empty() && read_name(stream, type)) {
         has_any = true;
-        std::array<char, kMostOfValue> bytes{};
+        std::array<char, kMaxOfValue> bytes{};
         if (!stream.read(bytes.data(), 4)) return false;
         const std::uint64_t length = number_at({bytes.data(), 4}, 0, 4);
         const auto at = static_cast<std::uint64_t>(stream.tellg());
@@ -74,16 +74,16 @@ bool require_header(const std::string& name, std::uint64_t size, std::istream& s
                           fmt::format("byte offset {}: found an attribute of {} bytes, expected at "
                                       "most {}: the file ends there",
                                       at - 4, length, size - at));
-        const std::uint64_t read = std::min(length, kMostOfValue);
+        const std::uint64_t read = std::min(length, kMaxOfValue);
         stream.read(bytes.data(), static_cast<std::streamsize>(read));
         note(attribute, {bytes.data(), read}, chunks);
         stream.seekg(static_cast<std::streamoff>(at + length));
     }
-    if (least_chunks(chunks) > size / kPlace)
+    if (min_chunks(chunks) > size / kPlace)
         formats::fail(name, "EXR",
                       fmt::format("found {} chunks in its header, expected at most {}, a place of "
                                   "{} bytes for each",
-                                  least_chunks(chunks), size / kPlace, kPlace));
+                                  min_chunks(chunks), size / kPlace, kPlace));
     return has_any;
 }
 

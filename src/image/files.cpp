@@ -60,7 +60,7 @@ fs::path real_path(const fs::path& file) {
     return error ? absolute.lexically_normal() : real;
 }
 
-std::string read_start(const fs::path& file, std::size_t most) {
+std::string read_start(const fs::path& file, std::size_t max) {
     const fs::file_status status = status_of(file);
     if (!fs::exists(status))
         throw InputError(fmt::format("{}: no such file, expected a readable file", file.string()));
@@ -73,7 +73,7 @@ std::string read_start(const fs::path& file, std::size_t most) {
     if (error || !stream)
         throw InputError(
             fmt::format("{}: cannot be opened: {}", file.string(), std::strerror(errno)));
-    std::string bytes(static_cast<std::size_t>(std::min<std::uintmax_t>(size, most)), '\0');
+    std::string bytes(static_cast<std::size_t>(std::min<std::uintmax_t>(size, max)), '\0');
     stream.read(bytes.data(), static_cast<std::streamsize>(bytes.size()));
     if (stream.gcount() != static_cast<std::streamsize>(bytes.size()))
         throw InputError(fmt::format("{}: byte offset {}: cannot be read, expected {} bytes",

@@ -30,7 +30,7 @@ std::string read_bytes(const std::filesystem::path& file);
 /// Of a text, without the byte order mark that some editors put before UTF-8.
 std::string read_text_bytes(const std::filesystem::path& file);
 /// At most so many of the first bytes of such a file, which no ReadLog remembers.
-std::string read_start(const std::filesystem::path& file, std::size_t most);
+std::string read_start(const std::filesystem::path& file, std::size_t max);
 constexpr std::size_t kWholeFile = std::numeric_limits<std::size_t>::max();
 
 /// While it lives, remembers the files that read_bytes reads. At most one at a time.

@@ -48,12 +48,12 @@ std::string text_of(std::string_view tag) {
 }  // namespace
 
 std::string formats::profile_name(std::string_view icc) {
-    constexpr std::size_t kMostShown = 80;
+    constexpr std::size_t kMaxShown = 80;
     const std::size_t count = number(icc, kHeader);
     for (std::size_t i = 0, at = kHeader + 4; i < count && at + kTag <= icc.size(); ++i, at += kTag)
         if (icc.substr(at, 4) == "desc")
             return text_of(part(icc, number(icc, at + 4), number(icc, at + 8)))
-                .substr(0, kMostShown);
+                .substr(0, kMaxShown);
     return {};
 }
 

@@ -153,8 +153,8 @@ ImageFile read_image_file(const std::filesystem::path& file) {
 ImageFile read_image_header(const std::filesystem::path& file) {
     // Where decoders ask whether a file is long enough for its size, that is enough for nearly all.
     constexpr std::size_t kStart = std::size_t{1} << 20;
-    const auto read = [&](std::size_t most) {
-        return read_file(file, read_start(file, most), formats::ExrColors::kRec709,
+    const auto read = [&](std::size_t max) {
+        return read_file(file, read_start(file, max), formats::ExrColors::kRec709,
                          formats::Content::kHeader);
     };
     try {

@@ -57,11 +57,11 @@ std::size_t blocks_of(const jpeg_component_info& component) {
 
 /// Each scan of a progressive file may go over all blocks. Sound files hold some ten scans, which
 /// the largest picture may have, too.
-std::size_t most_scans(const jpeg_decompress_struct& jpeg) {
-    constexpr std::size_t kMost = 500, kMostBlocks = std::size_t{1} << 27;  // of all scans
+std::size_t max_scans(const jpeg_decompress_struct& jpeg) {
+    constexpr std::size_t kMax = 500, kMaxBlocks = std::size_t{1} << 27;  // of all scans
     std::size_t blocks = 0;
     for (int c = 0; c < jpeg.num_components; ++c) blocks += blocks_of(jpeg.comp_info[c]);
-    return std::min(kMost, kMostBlocks / std::max<std::size_t>(1, blocks));
+    return std::min(kMax, kMaxBlocks / std::max<std::size_t>(1, blocks));
 }
 
 /// All scans of a progressive file are read before the first row. A file of few bytes may hold
@@ -69,10 +69,10 @@ std::size_t most_scans(const jpeg_decompress_struct& jpeg) {
 void on_progress(j_common_ptr common) {
     auto* errors = reinterpret_cast<JpegErrors*>(common->err);
     const auto& jpeg = *reinterpret_cast<j_decompress_ptr>(common);
-    const std::size_t most = most_scans(jpeg);
-    if (static_cast<std::size_t>(jpeg.input_scan_number) > most && !errors->damaged) {
+    const std::size_t max = max_scans(jpeg);
+    if (static_cast<std::size_t>(jpeg.input_scan_number) > max && !errors->damaged) {
         std::snprintf(errors->message, sizeof errors->message,
-                      "found more than %zu scans of %u x %u pixels", most, jpeg.image_width,
+                      "found more than %zu scans of %u x %u pixels", max, jpeg.image_width,
                       jpeg.image_height);
         errors->damaged = true;
     }
@@ -113,11 +113,11 @@ void require_bytes(const std::string& name, const jpeg_decompress_struct& jpeg, 
     std::size_t blocks = 0;  // of the component that has most of them
     for (int c = 0; c < jpeg.num_components; ++c)
         blocks = std::max(blocks, blocks_of(jpeg.comp_info[c]));
-    const std::size_t least = blocks / 8;
-    if (least > found)
+    const std::size_t min = blocks / 8;
+    if (min > found)
         formats::fail(name, "JPEG",
                       fmt::format("found {} bytes, expected {} or more for {} x {} pixels", found,
-                                  least, jpeg.image_width, jpeg.image_height));
+                                  min, jpeg.image_width, jpeg.image_height));
 }
 
 std::string_view bytes_of(const jpeg_marker_struct& marker) {

@@ -145,12 +145,12 @@ std::vector<float> to_floats(const std::vector<std::uint8_t>& data, int bits) {
 
 /// Before anything is allocated for the pixels that a header claims.
 void require_bytes(const std::string& name, const PngHeader& header, std::size_t found) {
-    constexpr std::size_t kMostRatio = 1032;  // of deflate
-    const std::size_t least = header.stored_row_bytes * header.height / kMostRatio;
-    if (least > found)
+    constexpr std::size_t kMaxRatio = 1032;  // of deflate
+    const std::size_t min = header.stored_row_bytes * header.height / kMaxRatio;
+    if (min > found)
         formats::fail(name, "PNG",
                       fmt::format("found {} bytes, expected {} or more for {} x {} pixels", found,
-                                  least, header.width, header.height));
+                                  min, header.width, header.height));
 }
 
 }  // namespace

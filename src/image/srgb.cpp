@@ -34,23 +34,23 @@ class SrgbCodes {
             return rounded_code(linear_to_srgb(std::bit_cast<float>(bits)));
         };
         for (std::size_t k = 0; k < 256; ++k) {
-            std::uint32_t least = 0, end = kOne;
-            while (least < end) {
-                const std::uint32_t middle = least + (end - least) / 2;
+            std::uint32_t min = 0, end = kOne;
+            while (min < end) {
+                const std::uint32_t middle = min + (end - min) / 2;
                 if (code(middle) < k)
-                    least = middle + 1;
+                    min = middle + 1;
                 else
                     end = middle;
             }
-            least_[k] = std::bit_cast<float>(least);
+            min_[k] = std::bit_cast<float>(min);
         }
-        least_[256] = std::numeric_limits<float>::infinity();
+        min_[256] = std::numeric_limits<float>::infinity();
         for (std::uint32_t i = 0; i < first_.size(); ++i) first_[i] = code(i << kShift);
     }
     /// value: from 0 to 1.
     std::uint8_t operator()(float value) const {
         std::uint8_t code = first_[(std::bit_cast<std::uint32_t>(value) & kMagnitude) >> kShift];
-        while (value >= least_[code + std::size_t{1}]) ++code;
+        while (value >= min_[code + std::size_t{1}]) ++code;
         return code;
     }
 
@@ -58,7 +58,7 @@ class SrgbCodes {
     static constexpr std::uint32_t kOne = std::bit_cast<std::uint32_t>(1.0f), kShift = 18,
                                    kMagnitude = 0x7fffffff;  // 0 may have a sign
 
-    std::array<float, 257> least_;  ///< of each code; beyond the last what no value reaches
+    std::array<float, 257> min_;  ///< of each code; beyond the last what no value reaches
     /// Of floats that agree in all but the last kShift bits, the code of the least.
     std::array<std::uint8_t, (kOne >> kShift) + 1> first_;
 };

@@ -32,9 +32,9 @@ void require_finite(const Image& image, const std::string& what, const std::stri
 void require_weights(const Image& mask, const std::string& what) {
     require_finite(mask, what);
     if (mask.values.empty()) return;
-    const float least = *std::ranges::min_element(mask.values);
-    require(least >= 0,
-            fmt::format("{} holds {:g}, expected weights that are not negative", what, least));
+    const float min = *std::ranges::min_element(mask.values);
+    require(min >= 0,
+            fmt::format("{} holds {:g}, expected weights that are not negative", what, min));
 }
 
 }  // namespace burnish

@@ -20,11 +20,11 @@ void add_constant(BsdfReader& reader, const std::string& name, int input,
         {fmt::format("{}.{}.value", reader.id, name), {}, input, property != nullptr});
 }
 
-void warn_outside(BsdfReader& reader, const Property& property, float value, float most) {
-    if (!(value >= 0 && value <= most))
+void warn_outside(BsdfReader& reader, const Property& property, float value, float max) {
+    if (!(value >= 0 && value <= max))
         log_warning(reader.loader, property.site->place,
                     fmt::format("the parameter \"{}\" is {}, expected a value in [0, {}]",
-                                property.name, value, most));
+                                property.name, value, max));
 }
 
 }  // namespace
@@ -76,7 +76,7 @@ ScalarReading take_scalar_input(BsdfReader& reader, const std::string& name, int
         return {reading.input, true};
     }
     reading.input.constant = mean(read_color(*property));
-    warn_outside(reader, *property, reading.input.constant, most_of(use));
+    warn_outside(reader, *property, reading.input.constant, max_of(use));
     const std::string& tag = property->node->tag;
     return {reading.input, (tag != "float" && tag != "integer") || reading.input.constant != 0};
 }

@@ -79,16 +79,16 @@ Transform to_local_of(const Place& place, const Transform& to_world) {
         fail(place,
              "\"to_world\" of the instance has no inverse, expected an invertible transform");
     }
-    constexpr double kMostScale = 1e12, kMostShift = 1e15;
+    constexpr double kMaxScale = 1e12, kMaxShift = 1e15;
     for (int row = 0; row < 3; ++row)
         for (int column = 0; column < 4; ++column)
-            if (!(std::abs(to_local(row, column)) <= (column < 3 ? kMostScale : kMostShift)))
+            if (!(std::abs(to_local(row, column)) <= (column < 3 ? kMaxScale : kMaxShift)))
                 fail(place,
                      fmt::format(
                          "\"to_world\" of the instance shrinks its shapes beyond what a ray "
                          "can follow, expected a scale of {:g} or more and a shift of at most "
                          "{:g} scales",
-                         1 / kMostScale, kMostShift));
+                         1 / kMaxScale, kMaxShift));
     return to_local;
 }
 
@@ -129,20 +129,20 @@ bool is_compound(const std::string& type) {
 }
 
 void begin_reading(Loader& loader, const Node& shape) {
-    constexpr std::size_t kLeast = 4096;  // the smallest takes time, too
+    constexpr std::size_t kMin = 4096;  // the smallest takes time, too
     loader.is_read_again = !loader.shapes_read.insert(&shape).second;
-    count_again(loader, shape, kLeast + size_of(shape));
+    count_again(loader, shape, kMin + size_of(shape));
 }
 
 void count_again(Loader& loader, const Node& shape, std::size_t bytes) {
-    constexpr std::size_t kMost = std::size_t{1} << 29;
+    constexpr std::size_t kMax = std::size_t{1} << 29;
     if (!loader.is_read_again) return;
     loader.read_again += bytes;
-    if (loader.read_again > kMost)
+    if (loader.read_again > kMax)
         fail(shape.place, fmt::format("the shape is read again for each that holds it: such shapes "
                                       "and their files take more than {} bytes, expected at most "
                                       "as many",
-                                      kMost));
+                                      kMax));
 }
 
 void load_compound(Loader& loader, Properties& properties) {

@@ -63,8 +63,8 @@ float brightest_texel(const Texture& texture) {
 /// Refuses a factor that is, times the brightest texel of its texture, not finite.
 Rgbf finite_emission(const Loader& loader, const Properties& properties, const std::string& what,
                      const Rgbf& factor, TextureId texture) {
-    const float most = texture ? brightest_texel(loader.result.scene[texture]) : 1;
-    finite_emission(properties, what, factor * most);
+    const float max = texture ? brightest_texel(loader.result.scene[texture]) : 1;
+    finite_emission(properties, what, factor * max);
     return factor;
 }
 
@@ -97,8 +97,8 @@ EnvironmentEmitter read_environment(Loader& loader, Properties& properties) {
     replace_non_finite(loader, node.place, name, file.image.values);
     Image sky = with_channels(padded_to(std::move(file.image), 2, kEnvironmentRows), 3);
     const std::size_t dropped = drop_negative(sky);
-    const float most = *std::max_element(sky.values.begin(), sky.values.end()) * emitter.scale;
-    finite_emission(properties, "the brightest texel times \"scale\"", {most, most, most});
+    const float max = *std::max_element(sky.values.begin(), sky.values.end()) * emitter.scale;
+    finite_emission(properties, "the brightest texel times \"scale\"", {max, max, max});
     emitter.image = share(std::move(sky));
     if (dropped > 0)
         note(loader, node.place,

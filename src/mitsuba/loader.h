@@ -124,9 +124,7 @@ MaterialId load_material(Loader& loader, const Node& node, const std::string& id
 /// value (light, heights, what nobody has referred to yet).
 enum class TextureUse { kMaterial, kDiffTrans, kAny };
 /// Values of a material from 0 up to this are not warned of.
-inline float most_of(TextureUse use) {
-    return use == TextureUse::kDiffTrans ? kMaxDiffTrans : 1.0f;
-}
+inline float max_of(TextureUse use) { return use == TextureUse::kDiffTrans ? kMaxDiffTrans : 1.0f; }
 /// The texture of an element, built once. Values that it has beyond its use are warned of once.
 TextureId load_texture(Loader& loader, const Node& node, TextureUse use = TextureUse::kMaterial);
 /// texture: what messages call it. The values are finite and read times `scale`.

@@ -27,14 +27,13 @@ MaterialId named(Loader& loader, MaterialId material, const std::string& id) {
 
 MaterialId read_material(Loader& loader, const Node& node, const std::string& id);
 
-/// The nested bsdfs, `least` to `most` of them.
-std::vector<const Property*> take_nested(Properties& properties, std::size_t least,
-                                         std::size_t most) {
+/// The nested bsdfs, `min` to `max` of them.
+std::vector<const Property*> take_nested(Properties& properties, std::size_t min, std::size_t max) {
     std::vector<const Property*> nested = take_tag(properties, "bsdf");
-    if (nested.size() < least || nested.size() > most)
+    if (nested.size() < min || nested.size() > max)
         fail(properties.node->place,
              fmt::format("bsdf \"{}\" has {} nested bsdfs, expected {}", properties.type,
-                         nested.size(), least == most ? fmt::format("{}", least) : "1 or 2"));
+                         nested.size(), min == max ? fmt::format("{}", min) : "1 or 2"));
     return nested;
 }
 

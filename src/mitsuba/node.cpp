@@ -61,11 +61,11 @@ std::size_t size_of(const Node& node) {
 }
 
 void add_referred(std::size_t& bytes, const Node& ref, const Node& target) {
-    constexpr std::size_t kMost = std::size_t{1} << 28;
+    constexpr std::size_t kMax = std::size_t{1} << 28;
     bytes += size_of(target);
-    if (bytes > kMost)
+    if (bytes > kMax)
         fail(ref.place,
-             fmt::format("the values that references mean hold more than {} bytes", kMost));
+             fmt::format("the values that references mean hold more than {} bytes", kMax));
 }
 
 void drop_children(Node& node, const std::set<std::string>& names) {

@@ -161,7 +161,7 @@ void read_vertices(PlyReader& reader, const PlyElement& element, Mesh& mesh,
 
 /// How many values the attributes of faces may have in all. Each triangle of a polygon has its own,
 /// so that a small file could make any number.
-std::size_t most_values(const PlyReader& reader) {
+std::size_t max_values(const PlyReader& reader) {
     constexpr std::size_t kAlways = 1'000'000, kPerByte = 16;
     return std::max(kAlways, kPerByte * reader.bytes.size());
 }
@@ -173,11 +173,11 @@ void repeat_for_triangles(const PlyReader& reader, AttributeColumns& columns,
     for (const MeshAttribute& a : columns.attributes)
         values += a.values.size() - static_cast<std::size_t>(a.channels) +
                   triangles * static_cast<std::size_t>(a.channels);
-    if (values > most_values(reader))
+    if (values > max_values(reader))
         reader.fail(fmt::format(
             "the attributes of the faces have {} values, one for each triangle, expected at most "
             "{}",
-            values, most_values(reader)));
+            values, max_values(reader)));
     for (MeshAttribute& a : columns.attributes) {
         const auto channels = static_cast<std::size_t>(a.channels);
         if (triangles == 0) a.values.resize(a.values.size() - channels);

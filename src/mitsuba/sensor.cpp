@@ -114,16 +114,16 @@ void take_principal_point(Properties& properties, PerspectiveCamera& camera) {
 
 void take_thin_lens(Properties& properties, PerspectiveCamera& camera) {
     take_required(properties, "aperture_radius");
-    constexpr float kLeast = 1e-12f, kMost = static_cast<float>(kMaxDistance);
+    constexpr float kMin = 1e-12f, kMax = static_cast<float>(kMaxDistance);
     camera.aperture_radius = take_float(properties, "aperture_radius", 0);
     camera.focus_distance =
-        take_float(properties, "focus_distance", std::min(camera.far_clip, kMost));
-    const auto within = [](float v, float low) { return v >= low && v <= kMost; };
-    if (!within(camera.aperture_radius, 0) || !within(camera.focus_distance, kLeast))
+        take_float(properties, "focus_distance", std::min(camera.far_clip, kMax));
+    const auto within = [](float v, float low) { return v >= low && v <= kMax; };
+    if (!within(camera.aperture_radius, 0) || !within(camera.focus_distance, kMin))
         fail(properties.node->place,
              fmt::format("\"aperture_radius\" is {} and \"focus_distance\" {}, expected "
                          "numbers of at least 0 and {:g}, and of at most {:g}",
-                         camera.aperture_radius, camera.focus_distance, kLeast, kMost));
+                         camera.aperture_radius, camera.focus_distance, kMin, kMax));
 }
 
 /// A scale moves the near plane, as in Mitsuba. The planes stay as far apart as they are given.

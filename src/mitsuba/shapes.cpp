@@ -268,10 +268,10 @@ std::optional<AreaEmitter> take_emitter(Loader& loader, Properties& properties) 
 /// Points of a light are drawn with the density 1 / area, and of a triangle also needs its normal,
 /// by the square of its area, in single precision.
 bool has_area(const Geometry& geometry) {
-    constexpr double kLeastTriangle = 1e-18;
+    constexpr double kMinTriangle = 1e-18;
     if (const Mesh* mesh = mesh_of(geometry))
         return std::any_of(mesh->triangles.begin(), mesh->triangles.end(), [&](const Triangle& t) {
-            return triangle_area(*mesh, t) >= kLeastTriangle;
+            return triangle_area(*mesh, t) >= kMinTriangle;
         });
     return static_cast<float>(area_of(geometry)) >= std::numeric_limits<float>::min();
 }
@@ -291,13 +291,13 @@ EmitterId add_emitter(Scene& scene, Properties& properties, const Shape& shape,
 }  // namespace
 
 void require_reach(const Place& place, const Box& box) {
-    constexpr double kMost = kMaxDistance;
+    constexpr double kMax = kMaxDistance;
     for (const Vec3f& p : {box.low, box.high}) {
         const double x = std::abs(p.x), y = std::abs(p.y), z = std::abs(p.z);
-        if (x <= kMost && y <= kMost && z <= kMost) continue;
+        if (x <= kMax && y <= kMax && z <= kMax) continue;
         fail(place,
              fmt::format("the shape reaches to {:.6g}, expected it within {:g} of the origin",
-                         std::max({x, y, z}), kMost));
+                         std::max({x, y, z}), kMax));
     }
 }
 

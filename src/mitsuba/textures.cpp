@@ -100,7 +100,7 @@ void warn_outside(Loader& loader, const Node& node, TextureUse use) {
     if (count == 0) return;
     log_warning(
         loader, node.place,
-        fmt::format("{} has {} values outside [0, {}]", values.texture, count, most_of(use)));
+        fmt::format("{} has {} values outside [0, {}]", values.texture, count, max_of(use)));
     loader.outside.erase(found);
 }
 
@@ -116,7 +116,7 @@ TextureId load_texture(Loader& loader, const Node& node, TextureUse use) {
 OutsideValues outside_values(std::string texture, const std::vector<float>& values, float scale) {
     const auto outside = [&](TextureUse use) {
         return std::count_if(values.begin(), values.end(), [&](float v) {
-            return !(v * scale >= 0 && v * scale <= most_of(use));
+            return !(v * scale >= 0 && v * scale <= max_of(use));
         });
     };
     return {std::move(texture), outside(TextureUse::kMaterial), outside(TextureUse::kDiffTrans)};

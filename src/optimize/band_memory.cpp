@@ -108,8 +108,8 @@ double band_bytes(std::span<const TracedScene> views, std::span<const std::vecto
     const std::vector<BlockCounts> counts = count_blocks(std::move(visits), sums.size());
     double bytes = 0;
     for (std::size_t i = 0; i < sums.size(); ++i) {
-        const double most = static_cast<double>(kViewBands * block_count(sums[i]));
-        bytes += std::min(kTrialMargin * estimate_blocks(counts[i]), most) *
+        const double max = static_cast<double>(kViewBands * block_count(sums[i]));
+        bytes += std::min(kTrialMargin * estimate_blocks(counts[i]), max) *
                  static_cast<double>(kBlockTexels * sums[i].channels * sizeof(float));
     }
     return bytes;

@@ -215,10 +215,9 @@ bool is_state(const PathCache& options, const ViewState& view, const Setup&,
 /// Whether the iterations have visited the view as often as they have each one at least, or once
 /// more: the state of one of several processes knows of its own views alone.
 bool has_its_visits(const Setup& setup, std::size_t which, const State::Values& state) {
-    const std::size_t least =
-        std::size_t{state.iteration} * batch_size(setup) / setup.fitted.size();
+    const std::size_t min = std::size_t{state.iteration} * batch_size(setup) / setup.fitted.size();
     const std::size_t visits = state.views[which].visits;
-    return own_bands(setup, which).empty() || (visits >= least && visits <= least + 1);
+    return own_bands(setup, which).empty() || (visits >= min && visits <= min + 1);
 }
 
 bool is_view_state(const Setup& setup, std::size_t which, const State::Values& state) {

@@ -71,12 +71,12 @@ double own_sky_bytes(const RunViews& views) {
             if (const auto& environment = view.lights->environment)
                 own.insert(environment->sky->image.get());
     own.erase(sky_of(*views.fitted.front().scene).get());
-    double all = 0, most = 0;
+    double all = 0, max = 0;
     for (const Image* image : own) {
         const double pixels = pixels_of(*image);
-        all += pixels, most = std::max(most, pixels);
+        all += pixels, max = std::max(max, pixels);
     }
-    return kBytesOfOwnSkyPixel * all + kBytesOfSkyPixel * most;
+    return kBytesOfOwnSkyPixel * all + kBytesOfSkyPixel * max;
 }
 
 /// What a view keeps, what a visit takes besides, and what a visit replaces, which each view of a
@@ -202,18 +202,18 @@ std::vector<PathCachePlan> plan_caches(const Estimator& estimator,
 }
 
 std::size_t max_bytes_per_pass(std::span<const PathCachePlan> plans) {
-    std::size_t most = 0;
-    for (const PathCachePlan& p : plans) most = std::max(most, p.bytes_per_pass);
-    return most;
+    std::size_t max = 0;
+    for (const PathCachePlan& p : plans) max = std::max(max, p.bytes_per_pass);
+    return max;
 }
 
 double fresh_bytes(const PathCache& cache, std::span<const PathCachePlan> plans,
                    std::size_t batch) {
-    double most = 0;
+    double max = 0;
     for (const PathCachePlan& plan : plans)
-        most = std::max(most, fresh_passes(cache.samples, within(plan, cache.max_bytes).window) *
-                                  static_cast<double>(plan.bytes_per_pass));
-    return static_cast<double>(std::min(batch, plans.size())) * most;
+        max = std::max(max, fresh_passes(cache.samples, within(plan, cache.max_bytes).window) *
+                                static_cast<double>(plan.bytes_per_pass));
+    return static_cast<double>(std::min(batch, plans.size())) * max;
 }
 
 namespace {
@@ -245,7 +245,7 @@ namespace {
 
 /// Bytes of the records of one view.
 struct RecordBytes {
-    double expected = 0, most = 0;
+    double expected = 0, max = 0;
 };
 
 /// The share of the samples that become records, from trials of some of the views. Where light
@@ -267,8 +267,8 @@ std::vector<RecordBytes> record_bytes(const PathCache& cache, std::span<const Pa
     std::vector<RecordBytes> bytes;
     for (const PathCachePlan& plan : plans) {
         const PathCachePlan p = within(plan, cache.max_bytes);
-        const double most = 2.0 * p.window * static_cast<double>(p.bytes_per_pass);
-        bytes.push_back({shares[bytes.size() * shares.size() / plans.size()] * most, most});
+        const double max = 2.0 * p.window * static_cast<double>(p.bytes_per_pass);
+        bytes.push_back({shares[bytes.size() * shares.size() / plans.size()] * max, max});
     }
     return bytes;
 }
@@ -316,7 +316,7 @@ MemoryEstimate estimate_memory(const Estimator& estimator, const RunViews& views
         const auto take_in = [&](double& sum, double bytes) {
             sum = share.keeps_records ? sum + bytes : std::max(sum, bytes);
         };
-        take_in(estimate.max_records, view.most);
+        take_in(estimate.max_records, view.max);
         take_in(estimate.records, view.expected);
     }
     return estimate;

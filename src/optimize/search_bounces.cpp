@@ -59,12 +59,12 @@ void draw_back_colors(std::span<SearchFrame> frames, std::vector<Image>& texture
         if (plan.colors[i]) draw_back(share, textures[i], color);
     };
     float best = 1;
-    double least = kInfinity;
+    double min = kInfinity;
     for (const float share : {1.0f, 0.75f, 0.5f, 0.25f, 0.0f}) {
         for (std::size_t i = 0; i < textures.size(); ++i) draw(share, i, theta.textures[i].values);
         const double loss = loss_of(tiles, table);
-        if (!(loss < least)) break;
-        least = loss, best = share;
+        if (!(loss < min)) break;
+        min = loss, best = share;
     }
     for (std::size_t i = 0; i < textures.size(); ++i) draw(best, i, textures[i]);
 }

@@ -8,8 +8,8 @@
 namespace burnish {
 
 /// Moves the colours that were found towards 0.5, in quarters of the way, for as long as what is
-/// rendered with them loses less. frames: of one plan; their passes are drawn anew. textures: of all
-/// of its unknowns. The same for any number of threads.
+/// rendered with them loses less. frames: of one plan; their passes are drawn anew. textures: of
+/// all of its unknowns. The same for any number of threads.
 void draw_back_colors(std::span<SearchFrame> frames, std::vector<Image>& textures);
 
 }  // namespace burnish

@@ -22,8 +22,8 @@ std::vector<float> make_costs(const GroupSearch& s) {
         const std::span<float> own(&costs[first], s.candidates());
         for (std::size_t k = 0; k < own.size(); ++k)
             own[k] = static_cast<float>(s.sums.costs[first + k]) + s.group.prior_costs[k];
-        const float least = *std::min_element(own.begin(), own.end());
-        for (float& cost : own) cost -= least;
+        const float min = *std::min_element(own.begin(), own.end());
+        for (float& cost : own) cost -= min;
     }
     return costs;
 }
@@ -42,7 +42,7 @@ std::vector<float> grid_of(const SearchGroup& group, std::size_t member) {
 /// How unlike two candidates are, as costs: in steps of a tenth of each member's grid, up to a
 /// limit.
 std::vector<float> make_distances(const SearchGroup& group) {
-    constexpr float kMost = 6;
+    constexpr float kMax = 6;
     std::vector<std::vector<float>> places(group.candidates.size());
     for (std::size_t m = 0; m < group.members.size(); ++m) {
         const std::vector<float> grid = grid_of(group, m);
@@ -57,7 +57,7 @@ std::vector<float> make_distances(const SearchGroup& group) {
         for (const auto& b : places) {
             float sum = 0;
             for (std::size_t m = 0; m < a.size(); ++m) sum += std::abs(a[m] - b[m]);
-            distances.push_back(kStep * std::min(sum, kMost));
+            distances.push_back(kStep * std::min(sum, kMax));
         }
     return distances;
 }
@@ -101,7 +101,7 @@ std::vector<char> known_regions(const GroupSearch& s) {
 }
 
 /// What each region would have alone.
-std::vector<std::uint32_t> least_costs(const GroupSearch& s, const std::vector<float>& costs) {
+std::vector<std::uint32_t> min_costs(const GroupSearch& s, const std::vector<float>& costs) {
     std::vector<std::uint32_t> labels;
     for (auto own = costs.begin(); own != costs.end();) {
         const auto end = own + static_cast<std::ptrdiff_t>(s.candidates());
@@ -216,7 +216,7 @@ std::vector<std::uint32_t> choose_labels(const GroupSearch& s) {
     fix_uniform(s, costs);
     std::vector<std::uint32_t> leaves;
     if (!s.group.guides.empty()) {
-        leaves = leaves_of_regions(s.group, grow_tree(s.group, known, least_costs(s, costs)));
+        leaves = leaves_of_regions(s.group, grow_tree(s.group, known, min_costs(s, costs)));
         add_guide_costs(s.group, leaves, known, costs);
     }
     const std::vector<float> distances = make_distances(s.group);

@@ -34,14 +34,14 @@ struct SquareInput {
 
 /// A square whose own ratio is no colour by far counts as one that just is none.
 ColorSums color_sums(const SquareInput& s) {
-    constexpr double kLeast = -1, kMost = 2;
+    constexpr double kMin = -1, kMax = 2;
     ColorSums sums;
     for (std::size_t c = 0; c < 3; ++c) {
         const double w = std::sqrt(double{s.weight[c]}), slope = s.b(0, c) + s.b(1, c);
         if (!(slope > 0)) continue;
         const double target = 2 * double{s.target[c]} - s.a(0, c) - s.a(1, c);
         sums.slope[c] = w * slope;
-        sums.target[c] = w * std::clamp(target, kLeast * slope, kMost * slope);
+        sums.target[c] = w * std::clamp(target, kMin * slope, kMax * slope);
     }
     return sums;
 }

@@ -31,22 +31,22 @@ void fix_uniform(const GroupSearch& s, std::vector<float>& costs) {
     const std::size_t candidates = classes.size();
     for (std::size_t r = 0; r < s.regions(); ++r) {
         if (!s.is_known(r)) continue;
-        std::vector<float> least(sums.size(), kInfinity);
+        std::vector<float> min(sums.size(), kInfinity);
         std::vector<double> losses(sums.size());
         for (std::size_t k = 0; k < candidates; ++k) {
             const std::size_t c = classes[k], at = r * candidates + k;
-            if (costs[at] < least[c]) least[c] = costs[at], losses[c] = s.sums.losses[at];
+            if (costs[at] < min[c]) min[c] = costs[at], losses[c] = s.sums.losses[at];
         }
         for (std::size_t c = 0; c < sums.size(); ++c) sums[c] += losses[c];
     }
     const auto best = static_cast<std::size_t>(std::ranges::min_element(sums) - sums.begin());
     for (std::size_t r = 0; r < s.regions(); ++r) {
         const std::span<float> own(&costs[r * candidates], candidates);
-        float least = kInfinity;
+        float min = kInfinity;
         for (std::size_t k = 0; k < candidates; ++k)
-            if (classes[k] == best) least = std::min(least, own[k]);
+            if (classes[k] == best) min = std::min(min, own[k]);
         for (std::size_t k = 0; k < candidates; ++k)
-            own[k] = classes[k] == best ? own[k] - least : kNever;
+            own[k] = classes[k] == best ? own[k] - min : kNever;
     }
 }
 
@@ -61,9 +61,9 @@ float uniform_value(const GroupSearch& s, const std::vector<std::uint32_t>& labe
     }
     if (s.plan.colors[s.group.members[member]])
         return member == s.group.color ? color_of(colors, s.group.gray)[channel] : 0.5f;
-    const auto most =
+    const auto max =
         std::ranges::max_element(squares, {}, [](const auto& of_value) { return of_value.second; });
-    return most == squares.end() ? 0.5f : most->first;
+    return max == squares.end() ? 0.5f : max->first;
 }
 
 }  // namespace burnish

@@ -80,24 +80,24 @@ std::vector<ConstantTextures> make_mixture(const SearchFrame& f) {
 /// The mean of a channel of the target in the square at pixel (x, y), and the least of its mask.
 std::array<float, 2> mean_and_mask(const SearchFrame& f, int x, int y, int channel) {
     const Image& target = f.view.target;
-    float sum = 0, count = 0, least = std::numeric_limits<float>::infinity();
+    float sum = 0, count = 0, min = std::numeric_limits<float>::infinity();
     for (int py = y; py < std::min(y + f.plan.scale, target.height); ++py)
         for (int px = x; px < std::min(x + f.plan.scale, target.width); ++px) {
             sum += target.at(px, py, channel), ++count;
-            least = std::min(least, static_cast<float>(mask_at(f.view.mask, px, py, channel)));
+            min = std::min(min, static_cast<float>(mask_at(f.view.mask, px, py, channel)));
         }
-    return {sum / count, least};
+    return {sum / count, min};
 }
 
 /// Of a squared residual without the exposure, as of relMSE, whose 0.01 is `small` here; finite
 /// where squares overflow, too.
 float weight_of(float mean, float mask, float exposure, float small) {
     const float square = mean * mean, weight = mask * exposure * exposure / (square + small);
-    constexpr double kMost = 1e30;
+    constexpr double kMax = 1e30;
     if (std::isfinite(square) && std::isfinite(weight))
-        return std::min(weight, static_cast<float>(kMost));
+        return std::min(weight, static_cast<float>(kMax));
     const double m = mean, e = exposure;
-    return static_cast<float>(std::min(double{mask} * e * e / (m * m + double{small}), kMost));
+    return static_cast<float>(std::min(double{mask} * e * e / (m * m + double{small}), kMax));
 }
 
 /// The 0.01 of relMSE for a picture whose white, that of the squares in which an unknown may be
@@ -107,8 +107,8 @@ float small_of(const SearchFrame& f, const Image& means, const std::vector<float
     std::vector<char> counting(masks.size());
     for (std::size_t i = 0; i < masks.size(); ++i) counting[i] = masks[i] > 0 && f.seen[i / 3];
     const float white = quantile(means, 0.99, counting);
-    constexpr float kLeastSquare = 1e-30f;  // above 0 after the 0.01, too
-    return 0.01f * (white > 0 && white < 1 ? std::max(white * white, kLeastSquare) : 1);
+    constexpr float kMinSquare = 1e-30f;  // above 0 after the 0.01, too
+    return 0.01f * (white > 0 && white < 1 ? std::max(white * white, kMinSquare) : 1);
 }
 
 void shrink_target(SearchFrame& f) {

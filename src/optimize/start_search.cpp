@@ -27,8 +27,8 @@ double effort_of(const Options& options) {
 /// Of `count` views those that a run searches.
 std::vector<std::size_t> some_of(std::size_t count) {
     std::vector<std::size_t> some;
-    const std::size_t most = std::min(count, kMaxSearchViews);
-    for (std::size_t i = 0; i < most; ++i) some.push_back(i * count / most);
+    const std::size_t max = std::min(count, kMaxSearchViews);
+    for (std::size_t i = 0; i < max; ++i) some.push_back(i * count / max);
     return some;
 }
 

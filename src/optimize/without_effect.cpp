@@ -21,14 +21,14 @@ std::string samples_without_effect(const Estimator& estimator) {
     const std::optional<KeptCache> kept = kept_cache(estimator);
     if (!kept) return {};
     const PathCache& cache = kept->options;
-    const std::uint32_t most = fresh_passes(cache.samples, cache.window);
-    if (cache.samples == most) return {};
+    const std::uint32_t max = fresh_passes(cache.samples, cache.window);
+    if (cache.samples == max) return {};
     const char* names = match(
         estimator, [](const PathCache&) { return "path_cache."; },
         [](const MonteCarlo&) { return "monte_carlo.image_"; },
         [](const Reservoirs&) { return "reservoirs.image_"; });
-    return fmt::format("{0}samples has no effect above {1}, twice {0}window: found {2}", names,
-                       most, cache.samples);
+    return fmt::format("{0}samples has no effect above {1}, twice {0}window: found {2}", names, max,
+                       cache.samples);
 }
 
 /// A texture of one texel has one level, which does not decay.

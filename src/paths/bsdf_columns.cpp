@@ -139,8 +139,8 @@ BsdfPackets<Principled>::BsdfPackets(const BsdfPoints& points, const IndexRange&
         fill(lanes.specular_rate, run, bsdf.specular_rate);
         fill(lanes.clearcoat_rate, run, bsdf.clearcoat_rate);
         fill(lanes.diffuse_rate, run, bsdf.diffuse_rate);
-        fill(lanes.least_transmission, run, least_transmission(bsdf));
-        fill(lanes.least_diffuse, run, least_diffuse(bsdf));
+        fill(lanes.min_transmission, run, min_transmission(bsdf));
+        fill(lanes.min_diffuse, run, min_diffuse(bsdf));
     });
 }
 
@@ -159,8 +159,8 @@ PrincipledParameters<Packet> BsdfPackets<Principled>::at(std::size_t i) const {
     p.eta = load(lanes_->eta, i), p.specular_rate = load(lanes_->specular_rate, i);
     p.clearcoat_rate = load(lanes_->clearcoat_rate, i);
     p.diffuse_rate = load(lanes_->diffuse_rate, i);
-    p.least_transmission = load(lanes_->least_transmission, i);
-    p.least_diffuse = load(lanes_->least_diffuse, i);
+    p.min_transmission = load(lanes_->min_transmission, i);
+    p.min_diffuse = load(lanes_->min_diffuse, i);
     return p;
 }
 

@@ -35,13 +35,13 @@ CandidateChoice choose_candidate(std::span<const float> weights, float u) {
     float total = 0;
     for (const float w : weights) total += w;
     const bool any = total > 0 && total <= std::numeric_limits<float>::max();
-    const float least = (any ? kEvenShare : 1) / static_cast<float>(weights.size());
+    const float min = (any ? kEvenShare : 1) / static_cast<float>(weights.size());
     const float scale = any ? (1 - kEvenShare) / total : 0;
     std::uint32_t c = 0;
-    float probability = least + scale * weights[0];
+    float probability = min + scale * weights[0];
     while (u >= probability && c + 1 < weights.size()) {
         u -= probability;
-        probability = least + scale * weights[++c];
+        probability = min + scale * weights[++c];
     }
     return {c, 1 / probability};
 }

@@ -119,8 +119,8 @@ void check_pixels(const Camera& camera) {
                     camera.focal_x, camera.focal_y));
     require(std::isfinite(camera.center_x) && std::isfinite(camera.center_y),
             "the camera's principal point is not finite");
-    constexpr double kMostAside = 1e5;  // with a near plane at 1e12, rays begin within kMaxRayReach
-    require(reach_aside(camera) <= kMostAside,
+    constexpr double kMaxAside = 1e5;  // with a near plane at 1e12, rays begin within kMaxRayReach
+    require(reach_aside(camera) <= kMaxAside,
             "the camera sees more than 1e5 times as far to a side as ahead: expected longer focal "
             "lengths, or a principal point nearer to the picture");
 }

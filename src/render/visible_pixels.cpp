@@ -75,15 +75,15 @@ struct Polygon {
 };
 
 /// The part of a triangle that lies beyond the plane z = least, divided by z.
-Polygon clip(const std::array<const Corner*, 3>& triangle, double least) {
+Polygon clip(const std::array<const Corner*, 3>& triangle, double min) {
     Polygon result;
     const auto add = [&](const Point& on_film) { result.corners[result.count++] = on_film; };
     for (std::size_t i = 0; i < triangle.size(); ++i) {
         const Point &a = triangle[i]->along, &b = triangle[(i + 1) % triangle.size()]->along;
-        if (a.z >= least) add(triangle[i]->on_film);
-        if ((a.z >= least) == (b.z >= least)) continue;
-        const double t = (least - a.z) / (b.z - a.z);
-        add(divided({a.x + t * (b.x - a.x), a.y + t * (b.y - a.y), least}));
+        if (a.z >= min) add(triangle[i]->on_film);
+        if ((a.z >= min) == (b.z >= min)) continue;
+        const double t = (min - a.z) / (b.z - a.z);
+        add(divided({a.x + t * (b.x - a.x), a.y + t * (b.y - a.y), min}));
     }
     return result;
 }
@@ -126,12 +126,12 @@ struct Side {
 };
 
 struct Extent {
-    double least = 0, most = 0;
+    double min = 0, max = 0;
 };
 Extent extent_of(std::span<const Point> points, double Point::*axis) {
     Extent e{points[0].*axis, points[0].*axis};
     for (const Point& p : points)
-        e.least = std::min(e.least, p.*axis), e.most = std::max(e.most, p.*axis);
+        e.min = std::min(e.min, p.*axis), e.max = std::max(e.max, p.*axis);
     return e;
 }
 
@@ -242,14 +242,14 @@ std::vector<char> projected(const TracedScene& view, std::span<const char> bsdfs
     canvas.pixels.assign(static_cast<std::size_t>(pixels_of(film)), 0);
     const Projection project(view);
     const bool parallel = view.camera.kind == CameraKind::kOrthographic;
-    const double least = parallel ? 0 : 0.5 * double{view.camera.near_clip};
+    const double min = parallel ? 0 : 0.5 * double{view.camera.near_clip};
     const auto asked = [&](BsdfId id) { return bsdfs[static_cast<std::size_t>(id.value)] != 0; };
     const auto corner = [&](const Vec3f& world) {
         const Point along = project(world);
         return Corner{along, divided(along)};
     };
     const auto mark_triangle = [&](const Corner& a, const Corner& b, const Corner& c) {
-        mark(clip({&a, &b, &c}, least).points(), canvas);
+        mark(clip({&a, &b, &c}, min).points(), canvas);
     };
     for (const Shape& shape : scene.shapes) {
         const auto shown = bsdfs_of(scene, shape.material);

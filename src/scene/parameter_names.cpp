@@ -117,13 +117,13 @@ std::size_t edit_distance(const std::string& a, const std::string& b) {
     std::vector<std::size_t> d((a.size() + 1) * width);
     for (std::size_t i = 0; i <= a.size(); ++i)
         for (std::size_t k = 0; k <= b.size(); ++k) {
-            std::size_t& least = d[i * width + k];
-            least = std::max(i, k);
+            std::size_t& min = d[i * width + k];
+            min = std::max(i, k);
             if (i == 0 || k == 0) continue;
-            least = std::min({d[(i - 1) * width + k] + 1, d[i * width + k - 1] + 1,
-                              d[(i - 1) * width + k - 1] + (a[i - 1] == b[k - 1] ? 0 : 1)});
+            min = std::min({d[(i - 1) * width + k] + 1, d[i * width + k - 1] + 1,
+                            d[(i - 1) * width + k - 1] + (a[i - 1] == b[k - 1] ? 0 : 1)});
             if (i > 1 && k > 1 && a[i - 1] == b[k - 2] && a[i - 2] == b[k - 1])
-                least = std::min(least, d[(i - 2) * width + k - 2] + 1);
+                min = std::min(min, d[(i - 2) * width + k - 2] + 1);
         }
     return d.back();
 }

@@ -25,8 +25,8 @@ PrincipledParameters<T> bsdf_parameters(const Principled& bsdf, const BsdfInputs
     p.specular_rate = Plain<T>(bsdf.specular_rate);
     p.clearcoat_rate = Plain<T>(bsdf.clearcoat_rate);
     p.diffuse_rate = Plain<T>(bsdf.diffuse_rate);
-    p.least_transmission = Plain<T>(least_transmission(bsdf));
-    p.least_diffuse = Plain<T>(least_diffuse(bsdf));
+    p.min_transmission = Plain<T>(min_transmission(bsdf));
+    p.min_diffuse = Plain<T>(min_diffuse(bsdf));
     return p;
 }
 
@@ -78,7 +78,7 @@ PrincipledThinParameters<T> row_parameters(RowOf<PrincipledThin>, const BsdfInpu
     p.eta = c.v[0];
     p.specular_reflection = c.v[1], p.specular_transmission = c.v[2];
     p.diffuse_reflection = c.v[3], p.diffuse_transmission = c.v[4];
-    p.least_specular = c.v[5], p.least_side = c.v[6];
+    p.min_specular = c.v[5], p.min_side = c.v[6];
     return p;
 }
 

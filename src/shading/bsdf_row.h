@@ -41,10 +41,10 @@ struct BsdfConstants {
 /// draws, or other lobes all too rarely, as narrow facets those of a diffuse one: where the weight
 /// is 0 its derivative needs samples all the same, and so do records that are shaded again once it
 /// has grown. 0 where no texture sets it.
-inline float least_share(std::initializer_list<TextureId> textures) {
-    constexpr float kLeastShare = 0.05f;
+inline float min_share(std::initializer_list<TextureId> textures) {
+    constexpr float kMinShare = 0.05f;
     const bool any = std::any_of(textures.begin(), textures.end(), [](TextureId t) { return !!t; });
-    return any ? kLeastShare : 0;
+    return any ? kMinShare : 0;
 }
 
 /// The same constants for another plain type, a packet's in every lane.

@@ -25,7 +25,7 @@ template <class T>
 Facets<T> make_facets(const T& alpha_u, const T& alpha_v, const Plain<T>& code) {
     using U = Plain<T>;
     const auto anisotropic = code > U(1.5f);
-    const T least(U(1e-4f)), u = max(alpha_u, least), v = max(alpha_v, least);
+    const T min_alpha(U(1e-4f)), u = max(alpha_u, min_alpha), v = max(alpha_v, min_alpha);
     return {{u, select(anisotropic, v, u)}, code - select(anisotropic, U(2.0f), U(0.0f)) > U(0.5f)};
 }
 
@@ -118,7 +118,7 @@ U sample_beckmann_slope(const U& a, const U& u) {
 /// A facet normal that v sees (v.z > 0), from u uniform in [0, 1)^2.
 template <class U>
 Vec3<U> sample_beckmann_visible(const Ggx<U>& g, const Vec3<U>& v, const Vec2<U>& u) {
-    constexpr float kLeast = 0x1p-25f, kBelowOne = 1 - 0x1p-22f;
+    constexpr float kMin = 0x1p-25f, kBelowOne = 1 - 0x1p-22f;
     const U zero(0.0f), one(1.0f);
     // Stretched to roughness 1; (c, s) is the azimuth of v there.
     const Vec2<U> tilt{g.alpha_x * v.x, g.alpha_y * v.y};
@@ -128,7 +128,7 @@ Vec3<U> sample_beckmann_visible(const Ggx<U>& g, const Vec3<U>& v, const Vec2<U>
     const U c = select(tilted, tilt.x * inverse, one), s = tilt.y * inverse;
     constexpr float kUpright = 1e6f;  // the tilt makes no difference from there on
     const U a = min(U(select(tilted, v.z * inverse, U(kUpright))), U(kUpright));
-    const U along = sample_beckmann_slope(a, U(max(u.x, U(kLeast))));
+    const U along = sample_beckmann_slope(a, U(max(u.x, U(kMin))));
     const U across = inverse_erf(U(min(max(U(2.0f) * u.y - one, U(-kBelowOne)), U(kBelowOne))));
     return normalize(
         Vec3<U>{-g.alpha_x * (c * along - s * across), -g.alpha_y * (s * along + c * across), one});

@@ -67,7 +67,7 @@ double norm(const Vec2<double>& a) { return std::sqrt(inner(a, a)); }
 /// A symmetric matrix.
 struct Symmetric {
     double xx, xy, yy;
-    double least_eigenvalue() const {
+    double min_eigenvalue() const {
         return (xx + yy) / 2 - std::sqrt((xx - yy) * (xx - yy) / 4 + xy * xy);
     }
 };
@@ -93,7 +93,7 @@ bool grows_around(const Lens& lens, double radius) {
     for (int i = 0; i < steps; ++i) {
         const double angle = 2 * std::numbers::pi * i / steps;
         const Vec2<double> p{radius * std::cos(angle), radius * std::sin(angle)};
-        if (!(brown_conrady(lens, p).jacobian.least_eigenvalue() > kMinSlope)) return false;
+        if (!(brown_conrady(lens, p).jacobian.min_eigenvalue() > kMinSlope)) return false;
     }
     return true;
 }

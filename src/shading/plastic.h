@@ -22,7 +22,7 @@ struct PlasticParameters {
     U eta{1.5f};               ///< index of refraction inside / outside
     U internal_reflectance{};  ///< R
     MaskOf<T> nonlinear{};
-    U least_specular{}, least_diffuse{};  ///< see least_share
+    U min_specular{}, min_diffuse{};  ///< see min_share
 };
 
 template <class T>
@@ -49,7 +49,7 @@ inline BsdfConstants<float> bsdf_constants(const Plastic& b) {
 inline BsdfConstants<float> bsdf_constants(const RoughPlastic& b) {
     return {{b.eta, b.internal_reflectance, b.nonlinear ? 1.0f : 0.0f,
              b.shape == FacetShape::kBeckmann ? 1.0f : 0.0f, b.alpha,
-             least_share({b.colors[1].texture}), least_share({b.colors[0].texture})},
+             min_share({b.colors[1].texture}), min_share({b.colors[0].texture})},
             {{b.transmittance.data()}}};
 }
 
@@ -94,7 +94,7 @@ U specular_probability(const PlasticParameters<U>& p, const U& reflected) {
     const U base = (p.diffuse.x + p.diffuse.y + p.diffuse.z) * (U(1.0f) - reflected);
     const U sum = specular + base;
     const U share = select(sum > U(0.0f), safe_divide(specular, sum), reflected);
-    return max(p.least_specular, min(U(U(1.0f) - p.least_diffuse), share));
+    return max(p.min_specular, min(U(U(1.0f) - p.min_diffuse), share));
 }
 
 template <class T>

@@ -19,7 +19,7 @@ struct PrincipledParameters {
     Plain<C> eta{1.5f};  ///< index of refraction inside / outside
     /// Relative rates at which the lobes are sampled.
     Plain<C> specular_rate{1.0f}, clearcoat_rate{1.0f}, diffuse_rate{1.0f};
-    Plain<C> least_transmission{0.0f}, least_diffuse{0.0f};  ///< see least_share
+    Plain<C> min_transmission{0.0f}, min_diffuse{0.0f};  ///< see min_share
     bool has_spec_trans = true, has_clearcoat = true, has_sheen = true, has_flatness = true,
          has_spec_tint = true, has_anisotropic = true;
 };
@@ -66,10 +66,10 @@ PrincipledGeometry<U> principled_geometry(const Vec3<U>& wi, const Vec3<U>& wo, 
 template <class C, class S, class W>
 Ggx<S> principled_ggx(const PrincipledParameters<C, S, W>& p) {
     using U = Plain<S>;
-    const S r2 = sqr(p.roughness), least(U(0.001f));
-    if (!p.has_anisotropic) return {max(r2, least), max(r2, least)};
+    const S r2 = sqr(p.roughness), min(U(0.001f));
+    if (!p.has_anisotropic) return {max(r2, min), max(r2, min)};
     const S aspect = sqrt(U(1.0f) - U(0.9f) * p.anisotropic);
-    return {max(r2 * reciprocal(aspect), least), max(r2 * aspect, least)};
+    return {max(r2 * reciprocal(aspect), min), max(r2 * aspect, min)};
 }
 
 }  // namespace burnish

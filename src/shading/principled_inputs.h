@@ -6,15 +6,14 @@
 
 namespace burnish {
 
-inline float least_transmission(const Principled& bsdf) {
+inline float min_transmission(const Principled& bsdf) {
     using enum PrincipledScalar;
-    return bsdf.has_spec_trans ? least_share({bsdf[kSpecTrans].texture, bsdf[kMetallic].texture})
-                               : 0;
+    return bsdf.has_spec_trans ? min_share({bsdf[kSpecTrans].texture, bsdf[kMetallic].texture}) : 0;
 }
 
-inline float least_diffuse(const Principled& bsdf) {
+inline float min_diffuse(const Principled& bsdf) {
     using enum PrincipledScalar;
-    return least_share({bsdf[kMetallic].texture, bsdf[kSpecTrans].texture});
+    return min_share({bsdf[kMetallic].texture, bsdf[kSpecTrans].texture});
 }
 
 /// x as a To: without its derivatives where To has none.

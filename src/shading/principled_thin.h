@@ -27,17 +27,17 @@ struct PrincipledThinParameters {
     Plain<T> specular_reflection{1.0f}, specular_transmission{1.0f}, diffuse_reflection{1.0f},
         diffuse_transmission{1.0f};
     /// Bounds for sampling of spec_trans and 1 - spec_trans, diff_trans and 1 - diff_trans: see
-    /// least_share.
-    Plain<T> least_specular{0.0f}, least_side{0.0f};
+    /// min_share.
+    Plain<T> min_specular{0.0f}, min_side{0.0f};
 };
 
 /// eta, the rates, the bounds.
 inline BsdfConstants<float> bsdf_constants(const PrincipledThin& b) {
-    const auto least = [&](ThinScalar s) {
-        return least_share({b.scalars[static_cast<std::size_t>(s)].texture});
+    const auto min = [&](ThinScalar s) {
+        return min_share({b.scalars[static_cast<std::size_t>(s)].texture});
     };
-    return {{b.eta, b.rates[0], b.rates[1], b.rates[2], b.rates[3], least(ThinScalar::kSpecTrans),
-             least(ThinScalar::kDiffTrans)},
+    return {{b.eta, b.rates[0], b.rates[1], b.rates[2], b.rates[3], min(ThinScalar::kSpecTrans),
+             min(ThinScalar::kDiffTrans)},
             {}};
 }
 
@@ -149,12 +149,12 @@ struct SheetLobes {
 template <class U>
 SheetLobes<U> sheet_lobes(const PrincipledThinParameters<U>& p) {
     const U one(1.0f), half(0.5f);
-    const U specular = max(p.spec_trans, p.least_specular),
-            matt = max(U(one - p.spec_trans), p.least_specular);
+    const U specular = max(p.spec_trans, p.min_specular),
+            matt = max(U(one - p.spec_trans), p.min_specular);
     const U mirror = specular * p.specular_reflection * half,
             pass = specular * p.specular_transmission * half,
-            above = p.diffuse_reflection * matt * max(U(one - p.diff_trans), p.least_side),
-            below = p.diffuse_transmission * matt * max(p.diff_trans, p.least_side);
+            above = p.diffuse_reflection * matt * max(U(one - p.diff_trans), p.min_side),
+            below = p.diffuse_transmission * matt * max(p.diff_trans, p.min_side);
     const U scale = safe_divide(one, U(mirror + pass + above + below));
     return {mirror * scale, pass * scale, above * scale, below * scale};
 }

@@ -25,10 +25,10 @@ struct TexelFootprint {
 
 /// The texel that a look-up reads most of.
 inline std::uint32_t main_texel(const TexelFootprint& f) {
-    std::size_t most = 0;
+    std::size_t largest = 0;
     for (std::size_t k = 1; k < static_cast<std::size_t>(f.count); ++k)
-        if (f.weight[k] > f.weight[most]) most = k;
-    return f.texel[most];
+        if (f.weight[k] > f.weight[largest]) largest = k;
+    return f.texel[largest];
 }
 
 /// What the shading reads. values[t], where there is one and it is not null, replaces the texels of

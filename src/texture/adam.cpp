@@ -46,9 +46,9 @@ void adam(const AdamOptions& o, float rate, float damping, const StepArrays& a) 
         }
     }
     // A loop of its own, without conditions, vectorises.
-    constexpr float kLeast = std::numeric_limits<float>::min();
+    constexpr float kMin = std::numeric_limits<float>::min();
     for (std::size_t i = 0; i < a.count; ++i)
-        x[i] -= steps[i] * m[i] / std::sqrt(std::max(v[i] + damping, kLeast));
+        x[i] -= steps[i] * m[i] / std::sqrt(std::max(v[i] + damping, kMin));
 }
 
 float sum_of(std::array<float, kDirtyBlock> values) {

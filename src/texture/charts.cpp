@@ -167,8 +167,8 @@ UvMeshes meshes_of(const Scene& scene, TextureId texture, const Bitmap& bitmap) 
             if (!(std::abs(c.x) < 1e8f && std::abs(c.y) < 1e8f)) return {};
         area += area_of(t);
     }
-    const double least = 16.0 * static_cast<double>(all.triangles.size());
-    if (area > least + kMaxRepetitions * bitmap.width * bitmap.height) return {};
+    const double min = 16.0 * static_cast<double>(all.triangles.size());
+    if (area > min + kMaxRepetitions * bitmap.width * bitmap.height) return {};
     return all;
 }
 

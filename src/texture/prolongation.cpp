@@ -90,13 +90,13 @@ ChartMap halve(const ChartMap& charts, int width, int height) {
                           fy = 2 * y + static_cast<int>(k / 2);
                 if (fx < width && fy < height) under[k] = charts[texel_of(width, fx, fy)];
             }
-            std::uint32_t most = 0;
+            std::uint32_t max = 0;
             std::ptrdiff_t votes = 0;
             for (const std::uint32_t chart : under)
                 if (const auto n = std::count(under.begin(), under.end(), chart);
                     chart != 0 && n > votes)
-                    most = chart, votes = n;
-            result.push_back(most);
+                    max = chart, votes = n;
+            result.push_back(max);
         }
     return result;
 }

@@ -59,15 +59,15 @@ void send(std::vector<float> belief, std::span<const float> received,
           std::span<const float> distance, float factor, std::span<float> message) {
     const std::size_t labels = belief.size();
     for (std::size_t a = 0; a < labels; ++a) belief[a] -= received[a];
-    float least = std::numeric_limits<float>::infinity();
+    float min = std::numeric_limits<float>::infinity();
     for (std::size_t b = 0; b < labels; ++b) {
         float m = std::numeric_limits<float>::infinity();
         for (std::size_t a = 0; a < labels; ++a)
             m = std::min(m, belief[a] + factor * distance[b * labels + a]);
         message[b] = m;
-        least = std::min(least, m);
+        min = std::min(min, m);
     }
-    for (float& m : message) m -= least;
+    for (float& m : message) m -= min;
 }
 
 }  // namespace

@@ -668,16 +668,16 @@ TEST_F(CommandLine, EndsWhenTheLossFallsNoLonger) {
     const auto checks = checks_of(read_text(folder / "out/history.csv"));
     ASSERT_GE(checks.size(), 3u);
     std::size_t iteration = 20, in_vain = 0;
-    double least = std::numeric_limits<double>::infinity();
+    double min = std::numeric_limits<double>::infinity();
     for (const auto& [at, loss] : checks) {
         EXPECT_EQ(at, iteration);
         EXPECT_LT(in_vain, 2u) << "it ended late";
-        in_vain = loss < least ? 0 : in_vain + 1;
-        least = std::min(least, loss);
+        in_vain = loss < min ? 0 : in_vain + 1;
+        min = std::min(min, loss);
         iteration += 20;
     }
     EXPECT_EQ(in_vain, 2u);
-    EXPECT_LT(least, checks.begin()->second);
+    EXPECT_LT(min, checks.begin()->second);
 
     ASSERT_EQ(run(std::string(kQuick) + "--patience 9 --iterations 25 -o short").code, 0);
     EXPECT_EQ(summary_of("short")["result"]["ended_by"], "iterations");

@@ -835,9 +835,9 @@ TEST(MeshCheck, CoversAreThoseOfEachTexelsCentre) {
 
 /// However often across.
 TEST(MeshCheck, TrianglesMayRepeatTheTexture) {
-    constexpr int kWidth = 11, kHeight = 7, kMost = 6;
+    constexpr int kWidth = 11, kHeight = 7, kMax = 6;
     std::mt19937 random(4);
-    std::uniform_real_distribution<float> across(-kMost, kMost), along(-0.5f, 1.4f);
+    std::uniform_real_distribution<float> across(-kMax, kMax), along(-0.5f, 1.4f);
     for (int round = 0; round < 300; ++round) {
         Mesh mesh;
         mesh.triangles = {{{0, 1, 2}}};
@@ -845,8 +845,8 @@ TEST(MeshCheck, TrianglesMayRepeatTheTexture) {
         UvCovers covers = make_covers(kWidth, kHeight), expected = covers;
         add_covers(mesh, {}, covers);
         for (int y = -kHeight; y < 2 * kHeight; ++y)
-            for (int x = -kMost * kWidth; x < kMost * kWidth; ++x) {
-                const int texel = (y + kHeight) % kHeight * kWidth + (x + kMost * kWidth) % kWidth;
+            for (int x = -kMax * kWidth; x < kMax * kWidth; ++x) {
+                const int texel = (y + kHeight) % kHeight * kWidth + (x + kMax * kWidth) % kWidth;
                 auto& count = expected.count[static_cast<std::size_t>(texel)];
                 count += count < 2 &&
                          lies_within(mesh, mesh.triangles[0], x + 0.5, y + 0.5, kWidth, kHeight);

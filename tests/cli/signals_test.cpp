@@ -39,19 +39,19 @@ class Signals : public Program {
     }
     /// Its status, where a signal must end it within so many seconds: of processor time, which
     /// nothing else takes from it.
-    static int end_within(double most, pid_t pid, int signal) {
+    static int end_within(double max, pid_t pid, int signal) {
         const double before = seconds_so_far(pid);
         kill(pid, signal);
         int status = -1;
         rusage usage{};
         EXPECT_EQ(wait4(pid, &status, 0, &usage), pid);
-        EXPECT_LT(processor_seconds(usage) - before, most);
+        EXPECT_LT(processor_seconds(usage) - before, max);
         return status;
     }
     /// The same of a run that goes on, by a signal that comes while its target renders. One whose
     /// target was rendered before, which a busy machine can bring about, says nothing: it is killed
     /// and begun again.
-    int end_at_the_target(double most, int signal) const {
+    int end_at_the_target(double max, int signal) const {
         const auto is_late = [&] { return contains(read_text(folder / ".err"), "recovering"); };
         for (int attempt = 0;; ++attempt) {
             const pid_t pid = start("optimize --resume out --threads 1");
@@ -72,7 +72,7 @@ class Signals : public Program {
             }
             if (is_late() && attempt < 20) continue;
             EXPECT_TRUE(ended);
-            EXPECT_LT(processor_seconds(usage) - before, most);
+            EXPECT_LT(processor_seconds(usage) - before, max);
             return status;
         }
     }

@@ -62,11 +62,11 @@ TEST(Parallel, TasksAreAtMostSoManyAtATime) {
     for (const std::size_t at_once : {1u, 2u, 100u}) {
         std::vector<int> done(40, 0);
         std::mutex mutex;
-        std::size_t begun = 0, most = 0;
+        std::size_t begun = 0, max = 0;
         const auto count = [&](int change) {
             const std::lock_guard lock(mutex);
             begun += static_cast<std::size_t>(change);
-            most = std::max(most, begun);
+            max = std::max(max, begun);
         };
         const auto run = [&] {
             parallel_tasks(done.size(), at_once, [&](std::size_t i) {
@@ -79,7 +79,7 @@ TEST(Parallel, TasksAreAtMostSoManyAtATime) {
         };
         EXPECT_EQ(test::error_of<std::runtime_error>(run), "7");
         EXPECT_EQ(std::count(done.begin(), done.end(), 1), 40);
-        EXPECT_LE(most, at_once);
+        EXPECT_LE(max, at_once);
     }
 }
 

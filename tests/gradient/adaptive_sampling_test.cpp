@@ -89,7 +89,7 @@ double size_of(const Known& known, int x, int y) {
 void expect_in_proportion(const Known& known, float mean) {
     const Film& film = known.scene.film;
     const std::vector<float> e = expected_samples(film, known.adjoint, mean, known.statistics);
-    const float least = kUniformShare * mean, most = static_cast<float>(kMaxOfMean) * mean;
+    const float min = kUniformShare * mean, max = static_cast<float>(kMaxOfMean) * mean;
     double sum = 0, factor = 0;
     std::size_t seen = 0, limited = 0;
     for (int y = 0; y < film.crop_height; ++y)
@@ -101,13 +101,13 @@ void expect_in_proportion(const Known& known, float mean) {
                 continue;
             }
             ++seen;
-            EXPECT_GE(e[i], least);
-            EXPECT_LE(e[i], most);
-            if (e[i] >= most) {
+            EXPECT_GE(e[i], min);
+            EXPECT_LE(e[i], max);
+            if (e[i] >= max) {
                 ++limited;
                 continue;
             }
-            const double f = (double{e[i]} - double{least}) / size_of(known, x, y);
+            const double f = (double{e[i]} - double{min}) / size_of(known, x, y);
             if (factor == 0) factor = f;
             EXPECT_NEAR(f, factor, 1e-4 * factor) << x << ", " << y;
         }

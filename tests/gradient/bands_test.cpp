@@ -35,17 +35,17 @@ TEST(Bands, AreSharedOutInTheFewestNodes) {
 
 TEST(Bands, ShareOutTiles) {
     for (std::size_t count = 0; count < 200; ++count) {
-        std::size_t at = 0, most = 0, used = 0;
+        std::size_t at = 0, max = 0, used = 0;
         for (std::size_t b = 0; b < kViewBands; ++b) {
             const IndexRange tiles = tiles_of({b, b + 1}, count);
             EXPECT_EQ(tiles.begin, at);
-            at = tiles.end, most = std::max(most, tiles.size()), used += !tiles.empty();
+            at = tiles.end, max = std::max(max, tiles.size()), used += !tiles.empty();
         }
         EXPECT_EQ(at, count);
-        EXPECT_EQ(most, (count + kViewBands - 1) / kViewBands);
-        EXPECT_EQ(used, most == 0 ? 0 : (count + most - 1) / most);
+        EXPECT_EQ(max, (count + kViewBands - 1) / kViewBands);
+        EXPECT_EQ(used, max == 0 ? 0 : (count + max - 1) / max);
         const auto half = static_cast<double>(tiles_of({0, 16}, count).size());
-        EXPECT_NEAR(half, 0.5 * static_cast<double>(count), static_cast<double>(most));
+        EXPECT_NEAR(half, 0.5 * static_cast<double>(count), static_cast<double>(max));
     }
 }
 

@@ -34,7 +34,7 @@ GradientComparison compare(const GradientMeans& ours,
                            const std::vector<ReferenceGradient>& references) {
     std::vector<double> p;
     GradientComparison result;
-    double least = 2;
+    double min = 2;
     for (std::size_t t = 0; t < references.size(); ++t) {
         const ReferenceGradient& r = references[t];
         EXPECT_EQ(ours[t].size(), r.mean.values.size()) << r.parameter;
@@ -42,8 +42,8 @@ GradientComparison compare(const GradientMeans& ours,
             const double mean = double{r.mean.values[i]},
                          error = double{r.standard_error.values[i]};
             p.push_back(welch_p_value(estimate_of(ours[t][i]), {mean, error, kReferenceRuns - 1}));
-            if (p.back() >= least) continue;
-            least = p.back();
+            if (p.back() >= min) continue;
+            min = p.back();
             result.worst = describe(r.parameter, i, ours[t][i], mean, error);
         }
     }

@@ -23,11 +23,11 @@ struct RoomOfPaths {
     Binding binding{traced, theta};
 
     RoomOfPaths() = default;
-    Theta moved(std::uint32_t seed, float most) const {
+    Theta moved(std::uint32_t seed, float max) const {
         test::RandomSource random{seed};
         Theta theta_moved = theta;
         for (ThetaTexture& t : theta_moved.textures)
-            for (float& v : t.values.values) v += random.next(-most, most);
+            for (float& v : t.values.values) v += random.next(-max, max);
         return theta_moved;
     }
 };

@@ -384,10 +384,10 @@ TEST_F(ImageFiles, WritingIsAllOrNothing) {
 }
 
 TEST_F(ImageFiles, WhatIsTooLargeToBeReadIsNotWritten) {
-    constexpr int kMost = kMaxImageSide;
+    constexpr int kMax = kMaxImageSide;
     for (const char* name : {"a.exr", "a.png", "a.pfm"}) {
         const fs::path file = folder / name;
-        for (const auto& [width, height] : {std::pair{kMost + 1, 1}, std::pair{1, kMost + 1}}) {
+        for (const auto& [width, height] : {std::pair{kMax + 1, 1}, std::pair{1, kMax + 1}}) {
             try {
                 write_image(file, make_image(width, height, 1, 1.0f));
                 ADD_FAILURE() << name << " is written";
@@ -398,7 +398,7 @@ TEST_F(ImageFiles, WhatIsTooLargeToBeReadIsNotWritten) {
             }
             EXPECT_TRUE(fs::is_empty(folder)) << name;
         }
-        for (const Image& image : {make_image(kMost, 1, 1, 1.0f), make_image(1, kMost, 3, 1.0f)}) {
+        for (const Image& image : {make_image(kMax, 1, 1, 1.0f), make_image(1, kMax, 3, 1.0f)}) {
             write_image(file, image);
             expect_equal(read_image(file), image, 0);
         }

@@ -34,12 +34,12 @@ TEST(Srgb, CodesAreThoseOfTheRoundedCurve) {
 
 TEST(Srgb, CodesChangeAtTheSameFloatAsTheRoundedCurve) {
     for (int code = 1; code < 256; ++code) {
-        float least = srgb_to_linear((static_cast<float>(code) - 0.5f) / 255);
-        for (int i = 0; i < 64; ++i) least = std::nextafter(least, 0.0f);
+        float min = srgb_to_linear((static_cast<float>(code) - 0.5f) / 255);
+        for (int i = 0; i < 64; ++i) min = std::nextafter(min, 0.0f);
         bool changes = false;
-        for (int i = 0; i < 128; ++i, least = std::nextafter(least, 1.0f)) {
-            ASSERT_EQ(code_of(least, true), rounded(least)) << least;
-            changes = changes || rounded(least) == code;
+        for (int i = 0; i < 128; ++i, min = std::nextafter(min, 1.0f)) {
+            ASSERT_EQ(code_of(min, true), rounded(min)) << min;
+            changes = changes || rounded(min) == code;
         }
         EXPECT_TRUE(changes) << code;
     }

@@ -71,13 +71,13 @@ TEST(ValuesOutside, DiffTransGoesToTwo) {
                       both = shared + sheet("<ref id='t' name='diff_trans'/>") + kMattSquare;
     expect_one_warning(warnings_about(folder, both), "has 4 values outside [0, 1]");
 
-    const auto most = [&](const std::string& text) {
+    const auto max = [&](const std::string& text) {
         return largest_value(load_text(folder, kSeenFromTheSky + text).scene, TextureId{0});
     };
-    EXPECT_EQ(most(read("diff_trans", 1)), 2);
-    EXPECT_EQ(most(read("spec_trans", 1)), 1);
-    EXPECT_EQ(most(both), 1);
-    EXPECT_EQ(most(shared + sheet("<ref id='t' name='diff_trans'/><ref id='t' name='sheen'/>")), 1);
+    EXPECT_EQ(max(read("diff_trans", 1)), 2);
+    EXPECT_EQ(max(read("spec_trans", 1)), 1);
+    EXPECT_EQ(max(both), 1);
+    EXPECT_EQ(max(shared + sheet("<ref id='t' name='diff_trans'/><ref id='t' name='sheen'/>")), 1);
 }
 
 TEST(WideFilters, AreThoseOfTheRenderer) {

@@ -56,18 +56,18 @@ TEST(Exposure, IsThatOfTheLeastLoss) {
     for (const Loss loss : kAllLosses)
         for (const bool by_channel : {false, true}) {
             const ExposureFactors best = c.fit(by_channel, loss);
-            const double least = c.loss_at(loss, best);
+            const double min = c.loss_at(loss, best);
             if (!by_channel) {
                 EXPECT_EQ(best[0], best[1]);
                 EXPECT_EQ(best[0], best[2]);
             }
             for (const float by : {0.97f, 0.999f, 1.001f, 1.03f}) {
                 const ExposureFactors all{best[0] * by, best[1] * by, best[2] * by};
-                EXPECT_GE(c.loss_at(loss, all), least);
+                EXPECT_GE(c.loss_at(loss, all), min);
                 for (std::size_t k = 0; by_channel && k < 3; ++k) {
                     ExposureFactors other = best;
                     other[k] *= by;
-                    EXPECT_GE(c.loss_at(loss, other), least) << k;
+                    EXPECT_GE(c.loss_at(loss, other), min) << k;
                 }
             }
         }

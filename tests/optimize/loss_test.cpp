@@ -169,8 +169,8 @@ TEST(Loss, ReweightedPixelsAreThoseThatAreTooBright) {
         for (std::size_t i = 0; i < target.values.size(); ++i) {
             const double g = std::abs(double{target.values[i]}),
                          j = double{exposure[i % 3]} * double{images[1 - h].values[i]},
-                         most = std::max(j, g);
-            EXPECT_NEAR(double{adjoints[h].values[i]}, (g * g + 0.01) / (most * most + 0.01), 1e-6);
+                         max = std::max(j, g);
+            EXPECT_NEAR(double{adjoints[h].values[i]}, (g * g + 0.01) / (max * max + 0.01), 1e-6);
             changed += adjoints[h].values[i] != 1;
         }
     EXPECT_GT(changed, 100u);

@@ -97,11 +97,11 @@ inline std::string archive_of(const State::Values& values) {
     return bytes;
 }
 
-/// What the first process writes, whatever the size of the slices that it asks for, `least` or
+/// What the first process writes, whatever the size of the slices that it asks for, `min` or
 /// more; the others write nothing.
 inline void expect_whole_in_slices(const State::Values& part, const Ranks& ranks,
-                                   const std::string& expected, std::size_t least = 1000) {
-    for (const std::size_t slice : {least, 4 * least, expected.size()}) {
+                                   const std::string& expected, std::size_t min = 1000) {
+    for (const std::size_t slice : {min, 4 * min, expected.size()}) {
         std::string bytes;
         const WholeState state{part, ranks, slice};
         write_whole(state, [&] { ArchiveWriter{sink_into(bytes)}(state); });

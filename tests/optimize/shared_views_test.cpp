@@ -41,7 +41,7 @@ Options options_to_share(std::size_t fitted) {
 TEST(SharedViews, EachBandHasOneOwner) {
     for (const int count : {2, 3, 4, 7, 40})
         for (std::size_t views = 1; views < static_cast<std::size_t>(count); ++views) {
-            std::size_t least = views * kViewBands, most = 0;
+            std::size_t min = views * kViewBands, max = 0;
             std::vector<int> owners;
             for (int r = 0; r < count; ++r) {
                 std::size_t own = 0;
@@ -51,10 +51,10 @@ TEST(SharedViews, EachBandHasOneOwner) {
                     EXPECT_LE(bands.end, kViewBands);
                 }
                 owners.insert(owners.end(), own, r);
-                least = std::min(least, own), most = std::max(most, own);
+                min = std::min(min, own), max = std::max(max, own);
             }
             EXPECT_EQ(owners.size(), views * kViewBands);
-            EXPECT_LE(most - least, 1u);
+            EXPECT_LE(max - min, 1u);
             // The first owner of a view is the one that would have all of it.
             for (std::size_t v = 0; v < views; ++v)
                 EXPECT_EQ(owners[v * kViewBands], owner_of({0, count}, v, views));

@@ -414,14 +414,14 @@ TEST(Summary, ConfidenceIsTheGateOfTheGradient) {
         const Image& confidence = summary.textures[u].confidence;
         const std::size_t channels = adam.mean.size() / confidence.values.size();
         for (std::size_t k = 0; k < confidence.values.size(); ++k) {
-            double least = 1;
+            double min = 1;
             for (std::size_t i = k * channels; i < (k + 1) * channels; ++i)
-                least = std::min(
-                    least, adam.square[i] > 0
-                               ? std::max(0.0, 1 - double{adam.noise[i]} / double{adam.square[i]})
-                               : 0.0);
-            EXPECT_NEAR(confidence.values[k], least, 1e-5);
-            between += least > 0 && least < 1;
+                min = std::min(
+                    min, adam.square[i] > 0
+                             ? std::max(0.0, 1 - double{adam.noise[i]} / double{adam.square[i]})
+                             : 0.0);
+            EXPECT_NEAR(confidence.values[k], min, 1e-5);
+            between += min > 0 && min < 1;
         }
     }
     EXPECT_GT(between, 10u);

@@ -21,7 +21,7 @@ namespace {
 
 struct Expected {
     const char *name, *parameter, *texture;
-    std::size_t least_emitters, most_emitters;
+    std::size_t min_emitters, max_emitters;
 };
 
 constexpr Expected kScenes[] = {
@@ -59,8 +59,8 @@ TEST_P(OwnScene, LoadsWithoutWarningsAndHasItsParameter) {
     write_procedural_scene(GetParam().name, folder.path, {64, 1});
     const LoadedScene loaded = load_small(folder.path);
     EXPECT_TRUE(loaded.warnings.empty()) << loaded.warnings.front();
-    EXPECT_GE(loaded.scene.emitters.size(), GetParam().least_emitters);
-    EXPECT_LE(loaded.scene.emitters.size(), GetParam().most_emitters);
+    EXPECT_GE(loaded.scene.emitters.size(), GetParam().min_emitters);
+    EXPECT_LE(loaded.scene.emitters.size(), GetParam().max_emitters);
     std::size_t triangles = 0;
     for (const Shape& shape : loaded.scene.shapes)
         if (const Mesh* mesh = std::get_if<Mesh>(&shape.geometry))
@@ -115,10 +115,10 @@ TEST(OwnScenes, AreAllTested) {
 
 /// Values within [least, most], and differences of at least 0.02 between neighbouring blocks of 1
 /// to 64 texels.
-void expect_content(const Image& image, float least, float most) {
+void expect_content(const Image& image, float min, float max) {
     const auto [low, high] = std::minmax_element(image.values.begin(), image.values.end());
-    EXPECT_GE(*low, least);
-    EXPECT_LE(*high, most);
+    EXPECT_GE(*low, min);
+    EXPECT_LE(*high, max);
     EXPECT_GT(*high - *low, 0.6f);
     for (int block = 1; block <= 64; block *= 4)
         EXPECT_GT(test::contrast_at(image, block), 0.02) << "blocks of " << block;

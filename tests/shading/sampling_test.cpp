@@ -35,7 +35,7 @@ struct Case {
 
 struct Look {
     double roughness = 0.5, anisotropic = 0, metallic = 0, spec_trans = 0, clearcoat = 0, gloss = 0,
-           eta = 1.5, least_transmission = 0, least_diffuse = 0;
+           eta = 1.5, min_transmission = 0, min_diffuse = 0;
 };
 
 PrincipledParameters<double> material(const Look& look) {
@@ -48,8 +48,8 @@ PrincipledParameters<double> material(const Look& look) {
     p.clearcoat = look.clearcoat;
     p.clearcoat_gloss = look.gloss;
     p.eta = look.eta;
-    p.least_transmission = look.least_transmission, p.least_diffuse = look.least_diffuse;
-    p.has_spec_trans = look.spec_trans > 0 || look.least_transmission > 0;
+    p.min_transmission = look.min_transmission, p.min_diffuse = look.min_diffuse;
+    p.has_spec_trans = look.spec_trans > 0 || look.min_transmission > 0;
     return p;
 }
 
@@ -90,8 +90,8 @@ std::vector<Case> cases() {
         {"everything, back",
          material({.roughness = 0.5, .anisotropic = 0.5, .metallic = 0.3, .spec_trans = 0.6}),
          at(140, 70)},
-        {"glass to come", material({.roughness = 0.4, .least_transmission = 0.05}), at(35, 60)},
-        {"metal to come", material({.roughness = 0.4, .metallic = 1, .least_diffuse = 0.05}),
+        {"glass to come", material({.roughness = 0.4, .min_transmission = 0.05}), at(35, 60)},
+        {"metal to come", material({.roughness = 0.4, .metallic = 1, .min_diffuse = 0.05}),
          at(35, 60)},
     };
 }
@@ -116,7 +116,7 @@ PrincipledParameters<S> in_precision(const PrincipledParameters<double>& d) {
     p.clearcoat = s(d.clearcoat);
     p.clearcoat_gloss = s(d.clearcoat_gloss);
     p.eta = s(d.eta);
-    p.least_transmission = s(d.least_transmission), p.least_diffuse = s(d.least_diffuse);
+    p.min_transmission = s(d.min_transmission), p.min_diffuse = s(d.min_diffuse);
     p.has_spec_trans = d.has_spec_trans;
     return p;
 }

@@ -105,7 +105,7 @@ TEST(RegionLabels, AreTheBestOfARow) {
     for (const float scale : {0.0f, 0.2f, 0.6f, 5.0f}) {
         const Field f = random_field(kRow, scale);
         std::vector<std::uint32_t> best;
-        float least = 1e9f;
+        float min = 1e9f;
         for (std::uint32_t code = 0; code < 2187; ++code) {  // 3^7
             std::vector<std::uint32_t> labels;
             for (std::uint32_t rest = code; labels.size() < kRow; rest /= kLabels)
@@ -115,7 +115,7 @@ TEST(RegionLabels, AreTheBestOfARow) {
                 sum += f.costs[i * kLabels + labels[i]];
                 if (i > 0) sum += f.distance[labels[i - 1] * kLabels + labels[i]];
             }
-            if (sum < least) least = sum, best = labels;
+            if (sum < min) min = sum, best = labels;
         }
         EXPECT_EQ(label_regions(r, std::vector<char>(kRow, 1), f.costs, f.distance), best) << scale;
     }
