@@ -15,11 +15,12 @@ import argparse
 import json
 import statistics
 import sys
+import time
 from pathlib import Path
 
 from benchmarks import ORDER, commit, is_clean, machine_and_date, table
 from compare_sides import BUILD, build, call
-from held_out import GROUPS
+from held_out import GROUPS, cell
 from mitsuba_python import ROOT
 
 NUMBER = "0.5"  # in every texel: what a texture is compared with
@@ -63,44 +64,49 @@ def judge(capture, parameters, textures, folder):
 
 
 def decibels(judged):
-    """The mean over the views of each kind."""
-    return {g: statistics.fmean(v["psnr"] for v in judged["views"] if v["group"] == g)
-            for g in GROUPS if any(v["group"] == g for v in judged["views"])}
+    """Of each view, by kind."""
+    views = {g: [v["psnr"] for v in judged["views"] if v["group"] == g] for g in GROUPS}
+    return {g: values for g, values in views.items() if values}
 
 
 def row(scene, capture, arguments, programs):
     folder = arguments.output / scene
     parameters = parameters_of(capture, arguments.inputs)
+    start = time.monotonic()
     call(programs / "burnish", "optimize", capture, *(f"--parameter={p}" for p in parameters),
          "--time", arguments.seconds, "--seed", arguments.seed, "-o", folder, "--force")
+    in_all = time.monotonic() - start
     summary = json.loads((folder / "summary.json").read_text())["result"]
     before, after = judge(capture, parameters, folder / "textures", folder)
     search = search_of(programs, capture, parameters, arguments.seconds)
     return {"scene": scene, "parameters": parameters, "iterations": summary["iterations"],
-            "seconds": summary["seconds"], "psnr_of_number": decibels(before), "psnr": decibels(after),
+            "seconds": summary["seconds"], "seconds_in_all": in_all,
+            "psnr_of_number": decibels(before), "psnr": decibels(after),
             "texture_errors_of_number": list(before["texture_error"].values()),
             "texture_errors": list(after["texture_error"].values()),
             "texture_error_of_start": search.get("error"), "texture_error_resolved": search.get("error_resolved")}
 
 
 HEAD = ["scene", "unknown", "texture error: 0.5", "start", "recovered", "resolved", "fitted", "places",
-        "skies", "iterations"]
+        "skies", "iterations", "in all"]
 
 
 def cells_of(r):
     names = [p.removesuffix(".data").rpartition(".")[2] for p in r["parameters"]]
     errors = [r["texture_errors_of_number"], [r["texture_error_of_start"]], r["texture_errors"],
               [r["texture_error_resolved"]]]
-    both = [f"{r['psnr_of_number'][g]:.1f} → {r['psnr'][g]:.1f}" if g in r["psnr"] else "" for g in GROUPS]
+    both = [f"{statistics.fmean(r['psnr_of_number'][g]):.1f} → {cell(r['psnr'][g])}" if g in r["psnr"] else ""
+            for g in GROUPS]
     return [r["scene"], ", ".join(names),
             *(", ".join("" if e is None else f"{e:.3f}" for e in several) for several in errors),
-            *both, str(r["iterations"])]
+            *both, str(r["iterations"]), f"{r['seconds_in_all']:.0f} s"]
 
 
 def markdown(results):
     return "\n".join([f"    {results['command']}", "",
                       f"Commit {results['commit']}, {results['date']}, {results['machine']}; "
-                      f"{results['seconds']} s of iterations for each run.", "",
+                      f"{results['seconds']} s of iterations for each run; *in all*: from its start until its results "
+                      "are written. PSNR: the mean of the views, in brackets the least of several.", "",
                       table(HEAD, map(cells_of, results["rows"])), ""])
 
 

@@ -11,15 +11,16 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "bench"))
 import recovered
 
 ROW = {"scene": "tire", "parameters": ["mat-tire.brdf_0.roughness.data"], "iterations": 900, "seconds": 120.1,
-       "psnr_of_number": {"fitted": 18.04, "places": 17.06}, "psnr": {"fitted": 34.14, "places": 30.96},
+       "seconds_in_all": 139.6, "psnr_of_number": {"fitted": [17.04, 19.04], "places": [17.06]},
+       "psnr": {"fitted": [36.04, 32.24], "places": [30.96]},
        "texture_errors_of_number": [0.4131], "texture_error_of_start": 0.0921, "texture_errors": [0.0919],
        "texture_error_resolved": None}
 
 
 class Table(unittest.TestCase):
     def test_a_row_tells_the_number_and_what_was_recovered(self):
-        self.assertEqual(recovered.cells_of(ROW), ["tire", "roughness", "0.413", "0.092", "0.092", "", "18.0 → 34.1",
-                                                   "17.1 → 31.0", "", "900"])
+        self.assertEqual(recovered.cells_of(ROW), ["tire", "roughness", "0.413", "0.092", "0.092", "",
+                                                   "18.0 → 34.1 (32.2)", "17.1 → 31.0", "", "900", "140 s"])
 
     def test_several_unknowns_stand_in_one_row(self):
         several = ROW | {"parameters": ["mat.base_color.data", "mat.roughness.data"], "texture_errors": [0.25, 0.125]}
@@ -29,19 +30,34 @@ class Table(unittest.TestCase):
     def test_every_cell_has_a_head(self):
         self.assertEqual(len(recovered.cells_of(ROW)), len(recovered.HEAD))
 
-    def test_pictures_of_a_kind_count_alike(self):
+    def test_every_picture_is_kept(self):
         views = [{"group": "fitted", "psnr": 30}, {"group": "fitted", "psnr": 40}, {"group": "skies", "psnr": 33}]
-        self.assertEqual(recovered.decibels({"views": views}), {"fitted": 35, "skies": 33})
+        self.assertEqual(recovered.decibels({"views": views}), {"fitted": [30, 40], "skies": [33]})
 
 
 class Command(unittest.TestCase):
     def test_names_what_is_not_the_default(self):
-        arguments = SimpleNamespace(views="capture", inputs=None, seconds=120, scenes=None)
+        arguments = SimpleNamespace(views="capture", inputs=None, seconds=120, seed=0, scenes=None)
         self.assertEqual(recovered.command_of(arguments), "bench/recovered.py CAPTURES -o FOLDER")
-        arguments = SimpleNamespace(views="front", inputs=["metallic"], seconds=60, scenes=["tire", "bowl"])
+        arguments = SimpleNamespace(views="front", inputs=["metallic"], seconds=60, seed=3, scenes=["tire", "bowl"])
         self.assertEqual(recovered.command_of(arguments),
                          "bench/recovered.py CAPTURES -o FOLDER --views front --inputs metallic --seconds 60 "
-                         "--scenes tire bowl")
+                         "--seed 3 --scenes tire bowl")
+
+
+class Row(unittest.TestCase):
+    def test_counts_the_seconds_from_the_start_of_the_run_to_its_results(self):
+        judged = {"views": [], "texture_error": {"mat": 0.5}}
+        with tempfile.TemporaryDirectory() as folder:
+            (Path(folder) / "tire").mkdir()
+            (Path(folder) / "tire" / "summary.json").write_text('{"result": {"iterations": 9, "seconds": 60}}')
+            (Path(folder) / "made.json").write_text(json.dumps({"parameters": ROW["parameters"]}))
+            arguments = SimpleNamespace(output=Path(folder), inputs=None, seconds=60, seed=0)
+            with mock.patch("recovered.call"), mock.patch("recovered.judge", return_value=[judged] * 2), \
+                    mock.patch("recovered.search_of", return_value={}), \
+                    mock.patch("time.monotonic", side_effect=[1000, 1083]):
+                row = recovered.row("tire", Path(folder) / "capture.json", arguments, Path("build"))
+        self.assertEqual((row["seconds"], row["seconds_in_all"]), (60, 83))
 
 
 class Unknowns(unittest.TestCase):
