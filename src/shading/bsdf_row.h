@@ -42,9 +42,9 @@ struct BsdfConstants {
 /// is 0 its derivative needs samples all the same, and so do records that are shaded again once it
 /// has grown. 0 where no texture sets it.
 inline float min_share(std::initializer_list<TextureId> textures) {
-    constexpr float kMinShare = 0.05f;
+    constexpr float kLobeShare = 0.05f;
     const bool any = std::any_of(textures.begin(), textures.end(), [](TextureId t) { return !!t; });
-    return any ? kMinShare : 0;
+    return any ? kLobeShare : 0;
 }
 
 /// The same constants for another plain type, a packet's in every lane.
