@@ -18,6 +18,7 @@ namespace burnish {
 using nlohmann::json;
 
 json parse_json(const std::string& file, const std::string& what) {
+    require_short_text(file, what);
     return parse_json(read_bytes(file), file, 0, what);
 }
 

@@ -17,7 +17,7 @@ struct Value {
     std::string file, key;  ///< "views[0].camera"; empty: the document
 };
 
-/// what: what the file is, for the message.
+/// Of a file of at most kMaxTextFile bytes. what: what it is, for the message.
 nlohmann::json parse_json(const std::string& file, const std::string& what);
 /// Of a text that stands in the file from byte `first` on.
 nlohmann::json parse_json(std::string_view text, const std::string& file, std::size_t first,

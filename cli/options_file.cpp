@@ -93,8 +93,7 @@ std::string text_of_file(const std::string& file) {
     if (!stream && !stream.eof())
         throw InputError(
             fmt::format("{}: the file cannot be read: {}", file, std::strerror(errno)));
-    if (text.size() > kMaxSummarySize)
-        throw InputError(file + ": found more than 64 MiB, expected names of options");
+    require_short_text(file, text.size(), kMaxSummarySize, "names of options");
     return text;
 }
 

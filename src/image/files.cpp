@@ -89,11 +89,25 @@ std::string read_bytes(const fs::path& file) {
     return bytes;
 }
 
-std::string read_text_bytes(const fs::path& file) {
+std::string without_mark(std::string text) {
     constexpr std::string_view kMark = "\xEF\xBB\xBF";
-    std::string bytes = read_bytes(file);
-    if (bytes.starts_with(kMark)) bytes.erase(0, kMark.size());
-    return bytes;
+    if (text.starts_with(kMark)) text.erase(0, kMark.size());
+    return text;
+}
+
+std::string read_text_bytes(const fs::path& file) { return without_mark(read_bytes(file)); }
+
+void require_short_text(const fs::path& file, std::uintmax_t bytes, std::size_t max,
+                        const std::string& expected) {
+    if (bytes > max)
+        throw InputError(fmt::format("{}: found more than {} MiB, expected {}", file.string(),
+                                     max >> 20, expected));
+}
+
+void require_short_text(const fs::path& file, const std::string& expected) {
+    std::error_code error;
+    const std::uintmax_t size = fs::file_size(file, error);
+    if (!error) require_short_text(file, size, kMaxTextFile, expected);  // reading it says why not
 }
 
 Input input_of(const fs::path& file) {

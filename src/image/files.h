@@ -27,8 +27,17 @@ std::filesystem::path real_path(const std::filesystem::path& file);
 
 /// The content of a regular file. Throws InputError: missing, not a file, unreadable.
 std::string read_bytes(const std::filesystem::path& file);
-/// Of a text, without the byte order mark that some editors put before UTF-8.
+/// A text without the byte order mark that some editors put before UTF-8.
+std::string without_mark(std::string text);
+/// without_mark of read_bytes.
 std::string read_text_bytes(const std::filesystem::path& file);
+/// The most bytes of a scene file and of a JSON file.
+inline constexpr std::size_t kMaxTextFile = std::size_t{256} << 20;
+/// Throws InputError where a text has more bytes than max, whole MiB. expected: what the file is.
+void require_short_text(const std::filesystem::path& file, std::uintmax_t bytes, std::size_t max,
+                        const std::string& expected);
+/// The same of a file that is to be read, which may have kMaxTextFile.
+void require_short_text(const std::filesystem::path& file, const std::string& expected);
 /// At most so many of the first bytes of such a file, which no ReadLog remembers.
 std::string read_start(const std::filesystem::path& file, std::size_t max);
 constexpr std::size_t kWholeFile = std::numeric_limits<std::size_t>::max();

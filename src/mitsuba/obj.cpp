@@ -253,7 +253,13 @@ MeshFile to_mesh(ObjReader& reader) {
 }  // namespace
 
 MeshFile read_obj_file(const std::filesystem::path& file) {
-    std::string text = read_text_bytes(file);
+    std::string text = read_bytes(file);
+    if (const std::size_t at = text.find('\0'); at != std::string::npos)
+        throw InputError(
+            fmt::format("{}: byte offset {}: found a NUL byte, expected the text of "
+                        "an OBJ file",
+                        file.string(), at));
+    text = without_mark(std::move(text));
     prepare_lines(file.string(), text);
     ObjReader reader{file.string(), text, std::istringstream(text)};
     tinyobj::callback_t callback;

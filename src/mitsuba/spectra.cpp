@@ -148,6 +148,7 @@ Rgbf rgb_of_spectrum(const std::string& text, SpectrumUse use, const Place& plac
 }
 
 std::string read_spectrum_file(const std::filesystem::path& file) {
+    require_short_text(file, "wavelengths and values");
     std::istringstream lines(read_text_bytes(file));
     Place place{file.string(), 0, 1};
     std::string pairs;

@@ -23,7 +23,7 @@ namespace {
 constexpr int kMaxDepth = 64;             ///< nested elements
 constexpr std::size_t kMaxIncludes = 15;  ///< nested files
 // Of a scene with all that it includes: far more than any has, little enough to give up soon.
-constexpr int kMaxElements = 4'000'000;
+constexpr int kMaxElements = 1'000'000;
 constexpr std::size_t kMaxFiles = 4096, kMaxText = std::size_t{1} << 28;
 // Of <path>: each file may be looked for in all of them.
 constexpr std::size_t kMaxFolders = 1024;
@@ -226,6 +226,7 @@ Node read_file(Parser& parser, const fs::path& file, const std::string& shown, c
         fail(*from, fmt::format("the scene includes more than {} files", kMaxFiles - 1));
     parser.open_files.push_back(key);
 
+    require_short_text(file, "a Mitsuba scene");
     const std::string text = read_text_bytes(file);
     const Lines lines(shown, text);
     if (const std::size_t end = utf8_prefix(text); end < text.size())

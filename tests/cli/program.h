@@ -147,6 +147,17 @@ class Program : public ::testing::Test {
         return outcome;
     }
 
+    /// The most bytes of memory that the program takes, which ends with that status. What ran the
+    /// program counts, too: compare it with that of another run.
+    double peak_of(const std::string& arguments, int code) const {
+        rusage usage{};
+        int status = -1;
+        const pid_t pid = start(arguments);
+        EXPECT_EQ(wait4(pid, &status, 0, &usage), pid);
+        EXPECT_EQ(WIFEXITED(status) ? WEXITSTATUS(status) : -1, code) << read_text(folder / ".err");
+        return 1024.0 * static_cast<double>(usage.ru_maxrss);
+    }
+
     /// One command in the background; the file `.err` is there once it has begun.
     pid_t start_shell(const std::string& line) const {
         const std::string command = in_folder("exec " + line);

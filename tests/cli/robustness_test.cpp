@@ -214,6 +214,30 @@ TEST_F(Robustness, FilesThatIncludeEachOtherManyTimesEndSoon) {
     EXPECT_TRUE(contains(outcome.err, "the scene includes more than 4095 files")) << outcome.err;
 }
 
+TEST_F(Robustness, TextsThatAreFarTooLongAreRefusedBeforeTheyAreRead) {
+    const double small = peak_of("info scene.xml", 0);
+    const std::pair<const char*, const char*> cases[] = {
+        {"info long.xml", "long.xml: found more than 256 MiB, expected a Mitsuba scene"},
+        {"info long.json", "long.json: found more than 256 MiB, expected a capture"},
+        {"info scene.xml --views long.json",
+         "long.json: found more than 256 MiB, expected a transforms.json"},
+        {"batch long.json", "long.json: found more than 256 MiB, expected a list of jobs"},
+        {"info spectrum.xml",
+         "long.spd: found more than 256 MiB, expected wavelengths and values"}};
+    for (const char* name : {"long.xml", "long.json", "long.spd"}) {
+        write_text(folder / name, "");
+        fs::resize_file(folder / name, std::uintmax_t{1} << 30);  // takes no place on a disk
+    }
+    write_text(folder / "spectrum.xml",
+               "<scene version='3.0.0'><emitter type='constant'><spectrum name='radiance' "
+               "filename='long.spd'/></emitter></scene>");
+    for (const auto& [arguments, expected] : cases) {
+        EXPECT_LT(peak_of(arguments, 65), small + 1e8) << arguments;
+        const std::string found = read_text(folder / ".err");
+        EXPECT_TRUE(contains(found, expected)) << arguments << ": " << found;
+    }
+}
+
 TEST_F(Robustness, FilesThatCannotBeLookedAtAreBadInput) {
     write_scene();
     fs::create_symlink("loop", folder / "loop");

@@ -679,6 +679,15 @@ TEST(BadSceneFiles, ManyShapesOfAMergeAreReadSoon) {
     EXPECT_LT(std::clock() - begin, 10 * CLOCKS_PER_SEC);
 }
 
+TEST(BadSceneFiles, TooManyElementsAreRefused) {
+    const TemporaryFolder folder;
+    std::string text = "<scene version='3.0.0'>\n";
+    for (int i = 0; i < 1'000'000; ++i) text += "<ref id='a'/>";
+    const std::string error = error_of(write_text(folder, "a.xml", text + "</scene>"));
+    EXPECT_NE(error.find("a.xml:2:"), std::string::npos) << error;
+    EXPECT_NE(error.find(": the scene has more than 1000000 elements"), std::string::npos) << error;
+}
+
 /// Damaged scene files load or throw InputError.
 TEST(BadSceneFiles, CutAndFlippedTextNeverCrashes) {
     const TemporaryFolder folder;

@@ -370,6 +370,17 @@ TEST(Obj, MessagesSayWhere) {
     expect("v 0 0 0\n", "v", "v", ": found no faces, expected an OBJ file with at least one");
 }
 
+TEST(Obj, ANulByteIsNoText) {
+    const TemporaryFolder folder;
+    for (const std::string start : {"", "\xEF\xBB\xBF"}) {
+        const std::string text = start + kObj;
+        const auto file = write_text(folder, "a.obj", text + std::string(3, '\0') + "\n" + kObj);
+        EXPECT_EQ(message_of(read_obj, file),
+                  file.string() + ": byte offset " + std::to_string(text.size()) +
+                      ": found a NUL byte, expected the text of an OBJ file");
+    }
+}
+
 TEST(MeshFiles, NumbersTooCloseToZeroAreZero) {
     const TemporaryFolder folder;
     std::string obj = kObj, ply = kAsciiPly;
