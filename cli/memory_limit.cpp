@@ -134,7 +134,34 @@ AtOnce fitting(std::vector<double> each, double room, std::size_t threads) {
     return fit;
 }
 
+/// What the program takes besides is left out: a limit below that is refused once all is known,
+/// with one that is enough.
+void require_memory(double bytes, double limit, const std::string& what) {
+    if (bytes > limit)
+        throw ResourceError(
+            fmt::format("{}: expected {} or more, or smaller meshes and textures, found {}", what,
+                        limit_text(scene_memory({}) + bytes), bytes_text(limit)));
+}
+
 }  // namespace
+
+BeforeReading limit_of_files(const RunSettings& settings) {
+    if (!settings.max_memory) return {};
+    const double limit = *settings.max_memory * kBytesPerGib;
+    return [limit](const std::filesystem::path& file, double bytes, double before) {
+        require_memory(before + bytes, limit,
+                       fmt::format("{}: reading it takes about {} beside the {} read before it",
+                                   file.string(), bytes_text(bytes), bytes_text(before)));
+    };
+}
+
+void require_scene_memory(const Scene& scene, const RunSettings& settings) {
+    if (!settings.max_memory) return;
+    const double bytes = scene_memory(scene) - scene_memory({});
+    require_memory(
+        bytes, *settings.max_memory * kBytesPerGib,
+        fmt::format("the scene and what rays need of it take about {}", bytes_text(bytes)));
+}
 
 std::size_t plan_pictures(const Scene& scene, RunResult& run) {
     const TickingLine line("measuring the pictures");

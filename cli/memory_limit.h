@@ -2,9 +2,16 @@
 #pragma once
 
 #include "cli/run_result.h"
+#include "mitsuba/loaded_scene.h"
 #include "optimize/memory.h"
 
 namespace burnish {
+
+/// While a scene is loaded: throws ResourceError before a file is read that --max-memory is too low
+/// for. Empty where it is not given.
+BeforeReading limit_of_files(const RunSettings& settings);
+/// The same before what rays need is built of the scene.
+void require_scene_memory(const Scene& scene, const RunSettings& settings);
 
 /// How many pictures of the run's views may be read at once beside the scene; what they take, those
 /// that were read before included, goes into run.memory. Throws ResourceError where --max-memory is

@@ -43,6 +43,7 @@ LoadedScene load(const RunSettings& run, const std::optional<Capture>& capture,
     SceneOptions scene;
     scene.file = run.scene, scene.definitions = run.definitions, scene.size = run.size;
     scene.ignore_unsupported = run.ignore_unsupported;
+    scene.before_reading = limit_of_files(run);
     if (capture) use_capture(*capture, scene);
     if (run.scene.empty()) scene.file = write_demo_scene(output).string();
     return load_scene_with_progress(scene);
@@ -208,6 +209,7 @@ Renderer read_run(OutputFolder& output, Phases& phases, RunResult& run) {
                                       [](const CapturedView& v) { return v.image.empty(); });
     LoadedScene loaded = load(settings.run, capture, output);
     run.warnings = loaded.warnings;
+    require_scene_memory(loaded.scene, settings.run);
     run.textures = make_target_textures(settings, rendered, loaded.scene);
     warn_of_truths(run);
     Renderer renderer =

@@ -147,6 +147,7 @@ LoadedScene load_scene_quietly(const SceneOptions& options) {
     LoadOptions load;
     load.definitions = definitions_of(options);
     load.ignore_unsupported = options.ignore_unsupported;
+    load.before_reading = options.before_reading;
     if (!options.size.empty()) load.width = options.size[0], load.height = options.size[1];
     const TickingLine line("loading " + options.file);
     return load_scene(options.file, load);

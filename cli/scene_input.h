@@ -25,6 +25,7 @@ struct SceneOptions {
     std::uint32_t seed = 0;
     int threads = 0;  ///< 0: all cores
     LightSelection light_selection = SceneSettings{}.light_selection;
+    BeforeReading before_reading = {};
 };
 
 /// Adds SCENE, -D, --size and --ignore-unsupported.

@@ -99,6 +99,7 @@ EnvironmentEmitter read_environment(Loader& loader, Properties& properties) {
     const std::size_t dropped = drop_negative(sky);
     const float max = *std::max_element(sky.values.begin(), sky.values.end()) * emitter.scale;
     finite_emission(properties, "the brightest texel times \"scale\"", {max, max, max});
+    loader.kept += static_cast<double>(sky.values.size() * sizeof(float));
     emitter.image = share(std::move(sky));
     if (dropped > 0)
         note(loader, node.place,

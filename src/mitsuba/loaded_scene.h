@@ -1,6 +1,8 @@
 // What reading a scene file takes and gives.
 #pragma once
 
+#include <filesystem>
+#include <functional>
 #include <map>
 #include <string>
 #include <vector>
@@ -10,11 +12,18 @@
 
 namespace burnish {
 
+/// What is called before a mesh or an image is read, and may throw: its file, the bytes that
+/// reading it takes at least, and those that the scene keeps of what was read before. Once more
+/// where the file itself says how large its mesh is.
+using BeforeReading =
+    std::function<void(const std::filesystem::path& file, double bytes, double before)>;
+
 struct LoadOptions {
     std::map<std::string, std::string> definitions;  ///< -D name=value; wins over <default>
     int width = 0, height = 0;  ///< replaces the film's size where both are positive
     /// Leaves out what is not supported, with a warning for each, in the place of throwing.
     bool ignore_unsupported = false;
+    BeforeReading before_reading = {};
 };
 
 struct LoadedScene {

@@ -61,6 +61,7 @@ struct Loader {
     std::unordered_set<const Node*> shapes_read;
     bool is_read_again = false;  ///< the shape that is being read was read before
     std::size_t read_again = 0;  ///< bytes of shapes that several hold, but for the first reading
+    double kept = 0;             ///< bytes of the meshes and images that were read
 };
 
 void log_warning(Loader& loader, const Place& place, const std::string& text);
@@ -134,6 +135,8 @@ OutsideValues outside_values(std::string texture, const std::vector<float>& valu
 /// fov_axis has no effect.
 double take_fov_x(Loader& loader, Properties& properties, double aspect);
 
+/// Calls LoadOptions::before_reading. bytes: beside those of the file.
+void tell_reading(const Loader& loader, const std::filesystem::path& file, double bytes);
 /// An image file that the scene names, with the place in its errors.
 ImageFile load_image(Loader& loader, const Place& place, const std::string& name);
 /// Replaces what is not finite by 0 and says how many there were.

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -28,6 +29,16 @@ struct MeshFile {
     std::size_t concave_faces = 0;  ///< of more than three corners: a fan leaves their outline
     std::size_t materials = 0;      ///< that an OBJ names, or that the faces of a PLY number
 };
+
+/// What a reader of meshes calls before it makes one, with the bytes that its vertices and
+/// triangles take at least; it may throw.
+using BeforeMesh = std::function<void(double bytes)>;
+
+/// The least that so many vertices and triangles take.
+inline double min_bytes(std::size_t vertices, std::size_t triangles) {
+    return static_cast<double>(vertices) * sizeof(Vec3f) +
+           static_cast<double>(triangles) * sizeof(Triangle);
+}
 
 struct MeshOptions {
     Transform to_world;

@@ -267,6 +267,15 @@ void read_faces(PlyReader& reader, const PlyElement& element, Mesh& mesh, Corner
     }
 }
 
+double min_mesh_bytes(const PlyHeader& header) {
+    double bytes = 0;
+    for (const PlyElement& element : header.elements) {
+        if (element.name == "vertex") bytes += min_bytes(element.count, 0);
+        if (element.name == "face") bytes += min_bytes(0, element.count);
+    }
+    return bytes;
+}
+
 bool has_corner_uvs(const PlyElement& element) {
     return std::any_of(element.properties.begin(), element.properties.end(),
                        [](const PlyProperty& p) { return p.is_list && p.name == "texcoord"; });
@@ -277,6 +286,7 @@ bool has_corner_uvs(const PlyElement& element) {
 MeshFile read_ply_file(const std::filesystem::path& file, const PlyOptions& options) {
     PlyReader reader{file.string(), read_bytes(file)};
     const PlyHeader header = read_ply_header(reader.name, reader.bytes);
+    if (options.before_mesh) options.before_mesh(min_mesh_bytes(header));
     reader.format = header.format;
     reader.offset = reader.begin = header.data_offset;
     reader.line = header.data_line;

@@ -14,6 +14,7 @@ struct PlyOptions {
     /// (`texcoord`, as photogrammetry writes them): a vertex for each pair of a place and a
     /// coordinate. Mitsuba does not know them.
     bool corner_uvs = false;
+    BeforeMesh before_mesh = {};
 };
 
 /// The mesh in object space with its attributes; polygons become fans. Throws InputError with the

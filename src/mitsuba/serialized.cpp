@@ -160,11 +160,13 @@ Counts read_counts(Stream& stream, int version) {
 
 }  // namespace
 
-MeshFile read_serialized(const std::filesystem::path& file, std::size_t index) {
+MeshFile read_serialized(const std::filesystem::path& file, std::size_t index,
+                         const BeforeMesh& before_mesh) {
     const std::string name = file.string(), bytes = read_bytes(file);
     const Extent extent = find_mesh(name, bytes, index);
     Stream stream(name, std::string_view(bytes).substr(extent.begin, extent.end - extent.begin));
     const Counts counts = read_counts(stream, extent.version);
+    if (before_mesh) before_mesh(min_bytes(counts.vertices, counts.triangles));
     const bool doubles = (counts.flags & kDouble) != 0;
     Mesh mesh;
     mesh.positions = read_vectors<Vec3f, 3>(stream, counts.vertices, doubles);

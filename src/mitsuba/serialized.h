@@ -10,6 +10,7 @@ namespace burnish::mitsuba {
 
 /// The mesh number `index`, from 0, in object space. Throws InputError: no such mesh, damaged,
 /// truncated, counts that the stream cannot hold, indices out of range, non-finite vertices.
-MeshFile read_serialized(const std::filesystem::path& file, std::size_t index);
+MeshFile read_serialized(const std::filesystem::path& file, std::size_t index,
+                         const BeforeMesh& before_mesh = {});
 
 }  // namespace burnish::mitsuba

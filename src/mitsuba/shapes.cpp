@@ -49,14 +49,17 @@ MeshOptions take_mesh_options(Properties& properties) {
     return options;
 }
 
-MeshFile read_mesh_file(const std::filesystem::path& file, Properties& properties) {
+MeshFile read_mesh_file(const Loader& loader, const std::filesystem::path& file,
+                        Properties& properties) {
     const int index = properties.type == "serialized"
                           ? take_integer(properties, "shape_index", 0, 0, 1 << 30)
                           : 0;
+    const auto tell = [&](double bytes) { tell_reading(loader, file, bytes); };
+    tell(0);
     try {
         if (properties.type == "obj") return read_obj_file(file);
-        if (properties.type == "ply") return read_ply_file(file);
-        return read_serialized(file, static_cast<std::size_t>(index));
+        if (properties.type == "ply") return read_ply_file(file, {.before_mesh = tell});
+        return read_serialized(file, static_cast<std::size_t>(index), tell);
     } catch (const InputError& error) {
         fail(properties.node->place, error.what());
     }
@@ -86,7 +89,7 @@ Mesh load_mesh(Loader& loader, Properties& properties) {
     std::error_code error;
     const std::uintmax_t bytes = std::filesystem::file_size(path, error);
     if (!error) count_again(loader, *properties.node, bytes);
-    MeshFile file = read_mesh_file(path, properties);
+    MeshFile file = read_mesh_file(loader, path, properties);
     const std::size_t zero_normals = options.face_normals ? 0 : fill_zero_normals(file.mesh);
     warn_of_corners(loader, properties, file, zero_normals, options.face_normals);
     if (flip_uvs)
@@ -315,6 +318,7 @@ Shape read_shape(Loader& loader, Properties& properties, bool emits) {
     require_geometry_reach(properties.node->place, shape.geometry);
     if (const Mesh* mesh = mesh_of(shape.geometry)) {
         count_again(loader, *properties.node, bytes_of(*mesh));
+        loader.kept += static_cast<double>(bytes_of(*mesh));
         if (!loader.attributes.attributes.empty()) loader.attributes.mesh = *mesh;
     }
     refuse_media(loader, properties);

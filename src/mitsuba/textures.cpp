@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <system_error>
 
 #include "burnish/error.h"
 #include "image/texels.h"
@@ -62,6 +63,7 @@ Bitmap read_bitmap(Loader& loader, Properties& properties) {
         use_codes(bitmap, file.image);
     else
         use_values(loader, *properties.node, bitmap, std::move(file));
+    loader.kept += static_cast<double>(bitmap.codes.size() + bitmap.values.size() * sizeof(float));
     return bitmap;
 }
 
@@ -122,9 +124,22 @@ OutsideValues outside_values(std::string texture, const std::vector<float>& valu
     return {std::move(texture), outside(TextureUse::kMaterial), outside(TextureUse::kDiffTrans)};
 }
 
+void tell_reading(const Loader& loader, const std::filesystem::path& file, double bytes) {
+    if (!loader.options.before_reading) return;
+    std::error_code error;
+    const std::uintmax_t size = std::filesystem::file_size(file, error);  // reading it says why not
+    loader.options.before_reading(file, bytes + (error ? 0 : static_cast<double>(size)),
+                                  loader.kept);
+}
+
 ImageFile load_image(Loader& loader, const Place& place, const std::string& name) {
     const std::filesystem::path file = resolve_file(loader.document, place, name);
     try {
+        if (loader.options.before_reading) {
+            const Image header = read_image_header(file).image;
+            tell_reading(loader, file,
+                         double{sizeof(float)} * header.channels * header.width * header.height);
+        }
         return read_image_file(file);
     } catch (const InputError& error) {
         fail(place, error.what());

@@ -185,6 +185,54 @@ TEST_F(MemoryLimit, TheEstimateOfTwoRunsIsTheMostThatEitherTakes) {
     EXPECT_NEAR(both[1], first[1], 1);
 }
 
+TEST_F(MemoryLimit, FilesOfTheSceneBeyondItAreRefusedBeforeTheyAreRead) {
+    write_scene();
+    constexpr double kBytes = 3 * 4.0 * 2400 * 2400;  // of the numbers of the picture
+    const double small =
+        peak_of("optimize scene.xml --parameter none --max-memory 0.02 -o out", 65);
+    write_image(folder / "color.exr", make_image(2400, 2400, 3, 0.5f));
+    const double file = static_cast<double>(fs::file_size(folder / "color.exr"));
+    const std::string command =
+        "optimize scene.xml --parameter roughness --init 0.5 --iterations 1 --target-spp 1 "
+        "--evaluation-spp 2 -o out ";
+    EXPECT_LT(peak_of(command + "--max-memory 0.02", 77), small + 0.3 * kBytes);
+    const std::string refusal = read_text(folder / ".err");
+    EXPECT_TRUE(contains(refusal, "color.exr: reading it takes about 6")) << refusal;
+    EXPECT_TRUE(contains(refusal, " B read before it: expected --max-memory 0.1")) << refusal;
+    EXPECT_TRUE(contains(refusal, "found 20.5 MiB")) << refusal;
+    EXPECT_FALSE(fs::exists(folder / "out"));
+    // Just above what the files take: the whole is still too much, and what is named is enough.
+    const Outcome loaded =
+        run(fmt::format("{} --max-memory {}", command, 1.001 * (kBytes + file) / 0x1p30));
+    EXPECT_EQ(loaded.code, 77);
+    EXPECT_FALSE(contains(loaded.err, "reading it takes")) << loaded.err;
+    const Outcome enough = run(command + named_limit(loaded.err));
+    EXPECT_EQ(enough.code, 0) << named_limit(loaded.err) << ": " << enough.err;
+}
+
+/// A triangle takes more in the structure of rays than in its file.
+TEST_F(MemoryLimit, TheSceneIsRefusedBeforeItsStructureOfRaysIsBuilt) {
+    write_scene();
+    constexpr int kSide = 256;
+    std::string points, faces;
+    for (int i = 0; i < kSide * kSide; ++i)
+        points += fmt::format("{} {} 0\n", i % kSide, i / kSide);
+    for (int i = 0; i + kSide < kSide * kSide; ++i)
+        if (i % kSide + 1 < kSide)
+            faces += fmt::format("4 {} {} {} {}\n", i, i + 1, i + 1 + kSide, i + kSide);
+    write_text(folder / "grid.ply",
+               fmt::format("ply\nformat ascii 1.0\nelement vertex {}\nproperty float x\n"
+                           "property float y\nproperty float z\nelement face {}\n"
+                           "property list uchar int vertex_indices\nend_header\n{}{}",
+                           kSide * kSide, (kSide - 1) * (kSide - 1), points, faces));
+    std::string scene = read_text(folder / "scene.xml");
+    scene.insert(scene.find("</scene>"),
+                 "<shape type=\"ply\"><string name=\"filename\" value=\"grid.ply\"/></shape>");
+    write_text(folder / "scene.xml", scene);
+    expect_refused("optimize scene.xml --parameter roughness --max-memory 0.01 -o out", 77,
+                   "the scene and what rays need of it take about ");
+}
+
 TEST_F(MemoryLimit, ALimitThatIsTooLowIsAnErrorThatNamesOneThatIsEnough) {
     write_scene();
     for (const char* estimator : {"path_cache", "mc", "pgris"}) {

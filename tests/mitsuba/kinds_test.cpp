@@ -4,7 +4,9 @@
 
 #include <algorithm>
 #include <cstring>
+#include <tuple>
 
+#include "burnish/image.h"
 #include "error_of.h"
 #include "mitsuba/ply.h"
 #include "mitsuba/serialized.h"
@@ -583,6 +585,68 @@ TEST(Kinds, PicturesThatNoFileHoldsAreRefusedWithoutAFilmToo) {
             write_text(folder, "large.xml", "<scene version='3.0.0'>" + kSky + sensor + "</scene>");
         EXPECT_THROW(load_scene(file, large), InputError) << sensor;
         EXPECT_NO_THROW(load_scene(file, {})) << sensor;
+    }
+}
+
+// ---- what is told while a scene is read
+
+/// A mesh of one triangle in each format, a texture and a sky.
+std::string scene_of_files(const TemporaryFolder& folder) {
+    const std::string points = "v 0 0 0\nv 1 0 0\nv 0 1 0\n";
+    write_text(folder, "a.obj", points + "f 1 2 3\n");
+    write_text(folder, "a.serialized", serialized({mesh_stream(false)}));
+    write_text(folder, "a.ply",
+               "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\n"
+               "property float z\nelement face 1\nproperty list uchar int vertex_indices\n"
+               "end_header\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n");
+    write_image((folder.path / "a.png").string(), make_image(2, 2, 3, 0.5f));
+    write_image((folder.path / "a.exr").string(), make_image(4, 3, 3, 0.5f));
+    std::string text;
+    for (const std::string type : {"obj", "ply", "serialized"})
+        text +=
+            "<shape type='" + type + "'><string name='filename' value='a." + type + "'/></shape>";
+    return text +
+           "<shape type='sphere'><bsdf type='diffuse'><texture type='bitmap' name='reflectance'>"
+           "<string name='filename' value='a.png'/></texture></bsdf></shape>"
+           "<emitter type='envmap'><string name='filename' value='a.exr'/></emitter>";
+}
+
+TEST(Kinds, WhatFilesTakeIsToldBeforeTheyAreRead) {
+    const TemporaryFolder folder;
+    using Told = std::tuple<std::string, double, double>;
+    std::vector<Told> told, expected;
+    LoadOptions options;
+    options.before_reading = [&](const std::filesystem::path& file, double bytes, double before) {
+        told.emplace_back(file.filename().string(), bytes, before);
+    };
+    const LoadedScene loaded = load_text(folder, scene_of_files(folder), options);
+    double before = 0;
+    const auto expect = [&](const std::string& name, double beside) {
+        const auto size = static_cast<double>(std::filesystem::file_size(folder.path / name));
+        expected.emplace_back(name, size + beside, before);
+    };
+    constexpr double kTriangle = 3 * sizeof(Vec3f) + sizeof(Triangle);
+    const auto keep = [&](std::size_t shape) {
+        before += static_cast<double>(bytes_of(*mesh_of(loaded.scene.shapes[shape].geometry)));
+    };
+    expect("a.obj", 0), keep(0);
+    expect("a.ply", 0), expect("a.ply", kTriangle), keep(1);
+    expect("a.serialized", 0), expect("a.serialized", kTriangle), keep(2);
+    expect("a.png", 2 * 2 * 3 * sizeof(float)), before += 2 * 2 * 3;  // codes are kept
+    expect("a.exr", 4 * 3 * 3 * sizeof(float));
+    EXPECT_EQ(told, expected);
+}
+
+TEST(Kinds, WhatIsThrownBeforeAFileIsReadEndsTheReading) {
+    const TemporaryFolder folder;
+    const std::string text = scene_of_files(folder);
+    for (const char* name : {"a.obj", "a.ply", "a.serialized", "a.png", "a.exr"}) {
+        LoadOptions options;
+        options.ignore_unsupported = true;
+        options.before_reading = [&](const std::filesystem::path& file, double, double) {
+            if (file.filename() == name) throw ResourceError(name);
+        };
+        EXPECT_EQ(test::error_of<ResourceError>([&] { load_text(folder, text, options); }), name);
     }
 }
 
