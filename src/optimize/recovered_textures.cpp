@@ -52,7 +52,7 @@ std::vector<RecoveredTexture> recovered_textures(const Setup& setup, const State
         for (std::size_t k = 0; k < pyramid.visits.size(); ++k)
             t.coverage.values[k] = static_cast<float>(pyramid.visits[k]) /
                                    static_cast<float>(std::max(1u, state.iteration));
-        t.confidence = confidence(pyramid);
+        t.confidence = confidence(u.maps, pyramid);
         textures.push_back(std::move(t));
     }
     return textures;

@@ -29,6 +29,38 @@ float texel_gate(const LevelState& level, int x, int y) {
     return gate;
 }
 
+Image gates_of(const LevelState& level) {
+    Image gates = make_image(level.values.width, level.values.height, 1);
+    for (int y = 0; y < gates.height; ++y)
+        for (int x = 0; x < gates.width; ++x) gates.at(x, y, 0) = texel_gate(level, x, y);
+    return gates;
+}
+
+/// Of each gate and that of the next coarser level's texel which weighs most in its own the larger;
+/// the first where several weigh alike.
+void take_larger(const Prolongation& prolongation, const ChartBorders& borders, const Image& coarse,
+                 Image& gates) {
+    for (int y = 0; y < gates.height; ++y) {
+        const Taps rows = taps_of(y, coarse.height, prolongation.repeats);
+        const auto row = row_of(borders, y);
+        auto border = row.begin();
+        for (int x = 0; x < gates.width; ++x) {
+            const Taps columns = taps_of(x, coarse.width, prolongation.repeats);
+            int coarse_x = columns.near, coarse_y = rows.near;
+            if (border != row.end() && border->x == x) {
+                const auto& weight = (border++)->weight;
+                const auto most = std::max_element(weight.begin(), weight.end());
+                if (*most == 0) continue;
+                const auto k = most - weight.begin();
+                if (k % 2 == 1) coarse_x = columns.far;
+                if (k / 2 == 1) coarse_y = rows.far;
+            }
+            float& gate = gates.at(x, y, 0);
+            gate = std::max(gate, coarse.at(coarse_x, coarse_y, 0));
+        }
+    }
+}
+
 }  // namespace
 
 PyramidMaps make_maps(int levels, int width, int height, const ChartMap& charts, bool repeats) {
@@ -108,18 +140,16 @@ std::size_t restart(const Image& from, const Image& to, PyramidState& state, Ima
     return texels;
 }
 
-Image confidence(const PyramidState& state) {
-    const Image& finest = state.levels.front().values;
+Image confidence(const PyramidMaps& maps, const PyramidState& state) {
     if (state.levels.front().adam.noise.empty()) return {};
-    Image result = make_image(finest.width, finest.height, 1);
-    for (std::size_t i = 0; i < state.levels.size(); ++i)
-        for (int y = 0; y < result.height; ++y)
-            for (int x = 0; x < result.width; ++x) {
-                const std::size_t texel = result.index(x, y);
-                if (state.visits[texel] == 0) continue;  // a coarser level knows its neighbours
-                float& best = result.values[texel];
-                best = std::max(best, texel_gate(state.levels[i], x >> i, y >> i));
-            }
+    Image result = gates_of(state.levels.back());
+    for (std::size_t i = state.levels.size() - 1; i-- > 0;) {
+        Image gates = gates_of(state.levels[i]);
+        take_larger(maps.prolongation, maps.borders[i], result, gates);
+        result = std::move(gates);
+    }
+    for (std::size_t k = 0; k < result.values.size(); ++k)
+        if (state.visits[k] == 0) result.values[k] = 0;  // a coarser level knows its neighbours
     return result;
 }
 

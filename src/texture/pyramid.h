@@ -56,8 +56,9 @@ std::size_t restart(const Image& from, const Image& to, PyramidState& state, Ima
                     std::size_t begin = 0);
 
 /// The signal-to-noise gate of the texels' gradients (over some 1 / (1 - beta2) steps), 0 to 1,
-/// [height, width, 1]: of the levels that a texel is a sum of the largest, of its channels the
-/// least; 0 where a texel was not visited. Width 0 where the gate is off.
-Image confidence(const PyramidState& state);
+/// [height, width, 1]: of the levels that a texel is a sum of the largest, each at the texel there
+/// that weighs most, of its channels the least; 0 where a texel was not visited. Width 0 where the
+/// gate is off.
+Image confidence(const PyramidMaps& maps, const PyramidState& state);
 
 }  // namespace burnish

@@ -63,7 +63,7 @@ TEST(Pyramid, ConfidenceIsWhereTheHalvesOfTheGradientAreEqual) {
     // Coarse levels have other texels at the other row.
     for (const int row : {0, 7}) {
         PyramidRun run = make_run(3, make_image(16, 8, 1, 0.5f));
-        EXPECT_EQ(confidence(run.state).width, 0);
+        EXPECT_EQ(confidence(run.maps, run.state).width, 0);
         run.adam.gate = true;
         // In the left half of the texture the halves of the gradient are equal; in the right one
         // there are two texels that they tell apart, though not their sum.
@@ -74,7 +74,7 @@ TEST(Pyramid, ConfidenceIsWhereTheHalvesOfTheGradientAreEqual) {
         halves.second.at(13, row, 0) = 1;
         Image texture = decode(run);
         for (int i = 0; i < 3; ++i) descend(halves, run, texture);
-        const Image sure = confidence(run.state);
+        const Image sure = confidence(run.maps, run.state);
         EXPECT_EQ(sure.at(2, 4, 0), 1.0f);
         const auto first = static_cast<std::size_t>(row * 16 + 12);
         const AdamState& finest = run.state.levels[0].adam;
@@ -88,6 +88,28 @@ TEST(Pyramid, ConfidenceIsWhereTheHalvesOfTheGradientAreEqual) {
         EXPECT_EQ(run.state.visits[first + 1], 3u);
         EXPECT_EQ(run.state.visits[first - 1], 0u);
     }
+}
+
+/// At the border of a second chart, in column 9, the halves of the gradient have nothing in common,
+/// and the coarse texel there is of the first chart.
+TEST(Pyramid, ConfidenceIsThatOfTheTexelsOwnChart) {
+    const auto sure_at_border = [](int end, bool is_first_equal) {
+        ChartMap charts;
+        SplitGradient halves{make_image(16, 8, 1, 1), make_image(16, 8, 1)};
+        for (int y = 0; y < 8; ++y)
+            for (int x = 0; x < 16; ++x) {
+                const bool is_second = x >= 9 && x < end;
+                charts.push_back(is_second ? 2u : 1u);
+                halves.second.at(x, y, 0) = x != 9 && (is_second || is_first_equal) ? 1.0f : 0.0f;
+            }
+        PyramidRun run = make_run(3, make_image(16, 8, 1, 0.5f), charts);
+        run.adam.gate = true;
+        Image texture = decode(run);
+        for (int i = 0; i < 3; ++i) descend(halves, run, texture);
+        return confidence(run.maps, run.state).at(9, 4, 0);
+    };
+    EXPECT_EQ(sure_at_border(10, true), 0.0f) << "one column reads nothing coarser";
+    EXPECT_GT(sure_at_border(12, false), 0.5f) << "three read a column of their own";
 }
 
 /// One texel's gradient moves coarse texels at the end of a block: so do all texels that read them,
