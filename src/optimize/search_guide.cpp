@@ -18,6 +18,16 @@ std::size_t channels_of(const Scene& scene, const std::vector<TextureId>& guides
     return channels;
 }
 
+/// Whether not all texels are equal.
+bool varies(const Bitmap& bitmap) {
+    const auto differ = [&](const auto& texels) {
+        const std::ptrdiff_t channels = bitmap.channels;
+        return std::ssize(texels) > channels &&
+               !std::equal(texels.begin() + channels, texels.end(), texels.begin());
+    };
+    return differ(bitmap.codes) || differ(bitmap.values);
+}
+
 /// Whether the centres of texels are at the same texture coordinates.
 bool has_grid_of(const Texture& texture, const Bitmap& bitmap) {
     const Bitmap* own = bitmap_of(texture);
@@ -208,7 +218,8 @@ std::vector<TextureId> guides_of(const Scene& scene, TextureId unknown,
             for (const TextureId id : read) {
                 const Bitmap* bitmap = bitmap_of(scene[id]);
                 const bool is_recovered = holds(recovered, id);
-                if (!is_recovered && (!bitmap || bitmap->is_attribute)) continue;
+                if (!is_recovered && (!bitmap || bitmap->is_attribute || !varies(*bitmap)))
+                    continue;
                 has_guide |= !is_recovered;
                 std::vector<TextureId>& ids = is_recovered ? group : guides;
                 if (!holds(ids, id)) ids.push_back(id);

@@ -11,8 +11,9 @@ namespace burnish {
 inline constexpr std::size_t kMaxGuides = 16;
 
 /// The known bitmaps that BSDFs read together with `unknown`, or with what is recovered beside it,
-/// directly or through others. None where one of these has none, or is no roughness: what a surface
-/// is like elsewhere says little of other numbers, and colours have a search of their own.
+/// directly or through others, but for those of one value everywhere. None where one of these has
+/// none, or is no roughness: what a surface is like elsewhere says little of other numbers, and
+/// colours have a search of their own.
 /// recovered: with `unknown`, those with a given start included.
 std::vector<TextureId> guides_of(const Scene& scene, TextureId unknown,
                                  std::span<const TextureId> recovered);

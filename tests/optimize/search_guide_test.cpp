@@ -186,6 +186,19 @@ TEST(SearchGuide, KnownTexturesOfTheSameMaterialGuide) {
     EXPECT_TRUE(guides_of(scene, roughness, {{roughness}}).empty());
 }
 
+/// A file of one colour, of codes or of floats, says nothing.
+TEST(SearchGuide, TexturesOfOneValueDoNotGuide) {
+    const TextureId roughness{0}, color{1};
+    Scene scene = speckled_scene(0);
+    scene.textures[1] = bitmap_of(kSide, 3, [](int, int, int c) { return c == 1 ? 0.3f : 0.6f; });
+    EXPECT_TRUE(guides_of(scene, roughness, {{roughness}}).empty());
+    auto& bitmap = std::get<Bitmap>(scene.textures[1]);
+    bitmap.codes.assign(bitmap.values.size(), 40), bitmap.values.clear();
+    EXPECT_TRUE(guides_of(scene, roughness, {{roughness}}).empty());
+    bitmap.codes.back() = 41;
+    EXPECT_EQ(guides_of(scene, roughness, {{roughness}}), std::vector{color});
+}
+
 /// Texels of a guide with the grid of the unknown are read as they are. The same guide with twice
 /// as many texels goes by its filter.
 TEST(SearchGuide, GuidesOfTheSameGridAreAsTheirFilterSays) {
