@@ -68,9 +68,11 @@ struct Growth {
 };
 
 Split best_split(const Growth& g, const std::vector<std::uint32_t>& rows) {
+    constexpr double kRounding = 1e-9;  // what is left of the spread of rows that are alike
     Moments all;
     for (const std::uint32_t r : rows) all.add(g.unknown[r]);
     const double spread = all.spread();
+    if (spread <= kRounding * all.squares) return {};
     Split best{kSignificant * spread / std::max(1.0, all.count), 0, 0};
     bool found = false;
     for (std::uint32_t c = 0; c < g.known.width; ++c) {

@@ -51,6 +51,16 @@ TEST(GuideTree, LeavesNoiseAlone) {
     EXPECT_EQ(grow_guide_tree(s.known, s.unknown, s.present).leaves, 1u);
 }
 
+/// What rounding leaves of their spread is nothing to be explained.
+TEST(GuideTree, RowsThatAreAlikeAreOneLeaf) {
+    for (const float value : {0.05f, 0.3f, 0.9f}) {
+        Steps s = make_steps(0);
+        std::fill(s.unknown.values.begin(), s.unknown.values.end(), value);
+        for (std::size_t r = 1000; r < kRows; ++r) s.present[r] = 0;
+        EXPECT_EQ(grow_guide_tree(s.known, s.unknown, s.present).leaves, 1u) << value;
+    }
+}
+
 /// Texels of files have few values, so that thresholds are some of them: these lie above.
 TEST(GuideTree, AValueThatIsAThresholdLiesAboveIt) {
     Rows known{std::vector<float>(400), 1}, unknown{std::vector<float>(400), 1};
