@@ -57,11 +57,20 @@ void take_starts(const State::Values& state, Setup& setup) {
     }
 }
 
+/// Exposures that are not fitted are those of the problem.
+void take_exposures(const Setup& setup, State::Values& state) {
+    for (std::size_t i = 0; i < setup.fitted.size(); ++i) {
+        const Exposure& exposure = setup.problem.views[setup.fitted[i]].exposure;
+        if (!fits_exposure(exposure)) state.views[i].exposure = factors_of(exposure);
+    }
+}
+
 /// Goes on from a state.
 std::unique_ptr<Solver::Impl> resumed_run(Setup setup, State::Values state) {
     require_one_problem(setup, &state);
     take_starts(state, setup);
     require_state_of(setup, state);
+    take_exposures(setup, state);
     drop_views_of_others(setup, state);
     return make_run(std::move(setup), std::move(state), {});
 }

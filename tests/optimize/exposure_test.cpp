@@ -283,6 +283,23 @@ TEST(Exposure, IsPartOfTheState) {
     }
 }
 
+/// Whatever it was in the run that the state is of; `mc` and reservoirs have one image here.
+TEST(Exposure, ThatIsKnownIsTheProblemsWhereARunGoesOn) {
+    Options options;
+    options.loss = Loss::kRelMse;
+    options.background_samples = 6;
+    for (const auto& [name, estimator] : test::all_estimators(2, 1)) {
+        options.estimator = estimator;
+        Problem problem = test::problem_with_views();
+        Solver solver(problem, options);
+        solver.step();
+        problem.views[2].exposure = ExposureFactors{3, 2, 1};
+        Solver again(problem, options, solver.state());
+        for (int i = 0; i < 4; ++i) again.step();
+        EXPECT_EQ(again.exposure(2), (ExposureFactors{3, 2, 1})) << name;
+    }
+}
+
 TEST(Exposure, AStateWithoutItsExposureIsRefused) {
     Problem known = exposed_problem();
     for (View& v : known.views) v.exposure = ExposureFactors{1, 1, 1};
