@@ -259,7 +259,9 @@ class Solver {
 struct SearchedValues {
     std::vector<float> values = {};  ///< of the group's unknowns; those of colours mean nothing
     /// relMSE of the pixels that see the group, with these values everywhere and the best colour of
-    /// each region, without noise on average.
+    /// each region, without noise on average. In a picture whose white, the 99th percentile of such
+    /// pixels, is below 1 the 0.01 of relMSE is times white squared. Weights are in units of the
+    /// largest.
     double loss = 0;
     std::size_t regions = 0;  ///< that start from them
 };
