@@ -61,7 +61,7 @@ std::vector<std::vector<SearchedCosts>> search_views(const Setup& setup, const S
         std::vector<GroupSums> sums;
         for (const SearchGroup& g : plan.groups) sums.push_back(make_sums(g));
         if (own.visits > 0 || !fits_exposure(s.exposure)) {
-            const SearchView exposed{s.scene, s.target, s.mask, own.exposure};
+            const SearchView exposed = at_exposure(own.exposure, s);
             const std::size_t number = (state.searched_again.size() + 1) * input.views.size() + v;
             const SearchFrame frame =
                 make_search_frame(plan, exposed, static_cast<std::uint32_t>(number));

@@ -186,7 +186,7 @@ std::vector<SearchView> with_exposures(const SearchPlan& plan, std::span<const S
     SearchPlan brief = plan;
     brief.passes = std::min(plan.passes, kPasses), brief.seed = seed_of_half(plan.seed, 2);
     std::vector<SearchView> plain;
-    for (const SearchView& v : views) plain.push_back({v.scene, v.target, v.mask});
+    for (const SearchView& v : views) plain.push_back(at_exposure({1, 1, 1}, v));
     std::vector<ViewMoments> moments;
     for (const SearchFrame& frame : make_search_frames(brief, plain))
         moments.push_back(view_moments(frame));
@@ -205,9 +205,9 @@ std::vector<SearchView> with_exposures(const SearchPlan& plan, std::span<const S
     std::vector<SearchView> exposed;
     for (std::size_t v = 0; v < views.size(); ++v) {
         const Channels e = solve(views[v].exposure, normals[v]);
-        exposed.push_back({views[v].scene, views[v].target, views[v].mask,
-                           ExposureFactors{static_cast<float>(e[0]), static_cast<float>(e[1]),
-                                           static_cast<float>(e[2])}});
+        exposed.push_back(at_exposure(
+            {static_cast<float>(e[0]), static_cast<float>(e[1]), static_cast<float>(e[2])},
+            views[v]));
     }
     return exposed;
 }

@@ -5,6 +5,7 @@
 #include <functional>
 
 #include "gradient/theta.h"
+#include "optimize/loss.h"
 #include "optimize/search_guide.h"
 #include "render/visible_pixels.h"
 
@@ -155,6 +156,33 @@ bool may_search_again(const Scene& scene, std::span<const TextureId> unknowns) {
     const SearchPlan plan = grouped(scene, {unknowns.begin(), unknowns.end()});
     return std::ranges::any_of(plan.groups,
                                [](const SearchGroup& g) { return may_search_again(g); });
+}
+
+std::vector<std::size_t> searched_views(std::size_t count) {
+    std::vector<std::size_t> searched;
+    const std::size_t max = std::min(count, kMaxSearchViews);
+    for (std::size_t i = 0; i < max; ++i) searched.push_back(i * count / max);
+    return searched;
+}
+
+float max_mask(std::span<const SearchView> views, const std::vector<TextureId>& unknowns) {
+    const auto has_mask = [](const SearchView& v) { return v.mask.width > 0; };
+    if (unknowns.empty() || std::ranges::none_of(views, has_mask)) return 1;
+    SearchPlan plan;
+    plan.unknowns = unknowns;
+    const Scene& scene = *views.front().scene.scene;
+    const std::vector<char> unknown = unknown_bsdfs(scene, unknown_slots(scene, plan));
+    float max = 0;
+    for (const SearchView& view : views) {
+        const std::vector<char> seen = seen_pixels(view.scene, unknown);
+        const int width = view.scene.film.crop_width;
+        for (std::size_t k = 0; k < seen.size(); ++k) {
+            const int y = static_cast<int>(k) / width, x = static_cast<int>(k) % width;
+            for (int c = 0; seen[k] && c < 3; ++c)
+                max = std::max(max, static_cast<float>(mask_at(view.mask, x, y, c)));
+        }
+    }
+    return max > 0 ? max : 1;
 }
 
 SearchPlan make_search_plan(std::span<const SearchView> views,

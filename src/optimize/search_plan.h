@@ -5,12 +5,21 @@
 
 namespace burnish {
 
+/// A run searches no more of its views, spread evenly.
+inline constexpr std::size_t kMaxSearchViews = 16;
+/// Of `count` views those that a run searches.
+std::vector<std::size_t> searched_views(std::size_t count);
+
 /// A texture whose start is searched.
 struct SearchUnknown {
     TextureId texture;
     const ChartMap& charts;
     std::vector<TextureId> guides;  ///< see guides_of
 };
+
+/// The largest weight of the pixels that may see an unknown, over all views: SearchView::max_mask.
+/// 1 where no such pixel counts. views: of one scene.
+float max_mask(std::span<const SearchView> views, const std::vector<TextureId>& unknowns);
 
 /// Groups with their regions and candidates; squares and passes so that the work stays within a
 /// bound, whatever the views. views: at least one, of one scene. effort: times that bound.

@@ -77,7 +77,8 @@ std::vector<ConstantTextures> make_mixture(const SearchFrame& f) {
     return spread(f, chosen, {0.5f});
 }
 
-/// The mean of a channel of the target in the square at pixel (x, y), and the least of its mask.
+/// The mean of a channel of the target in the square at pixel (x, y), and the least of its mask, in
+/// units of SearchView::max_mask.
 std::array<float, 2> mean_and_mask(const SearchFrame& f, int x, int y, int channel) {
     const Image& target = f.view.target;
     float sum = 0, count = 0, min = std::numeric_limits<float>::infinity();
@@ -86,7 +87,7 @@ std::array<float, 2> mean_and_mask(const SearchFrame& f, int x, int y, int chann
             sum += target.at(px, py, channel), ++count;
             min = std::min(min, static_cast<float>(mask_at(f.view.mask, px, py, channel)));
         }
-    return {sum / count, min};
+    return {sum / count, min / f.view.max_mask};
 }
 
 /// Of a squared residual without the exposure, as of relMSE, whose 0.01 is `small` here; finite
@@ -134,8 +135,7 @@ void shrink_target(SearchFrame& f) {
 
 void find_seen(SearchFrame& f) {
     const Film& film = f.view.scene.film;
-    const auto near = dilate(visible_pixels(f.view.scene, f.unknown_bsdfs), film.crop_width,
-                             film.crop_height, filter_halo(film.filter));
+    const std::vector<char> near = seen_pixels(f.view.scene, f.unknown_bsdfs);
     f.seen.assign(static_cast<std::size_t>(f.width * f.height), 0);
     for (int y = 0; y < film.crop_height; ++y)
         for (int x = 0; x < film.crop_width; ++x)
@@ -169,6 +169,11 @@ std::vector<int> unknown_slots(const Scene& scene, const SearchPlan& plan) {
     for (std::size_t i = 0; i < plan.unknowns.size(); ++i)
         slots[static_cast<std::size_t>(plan.unknowns[i].value)] = static_cast<int>(i);
     return slots;
+}
+
+std::vector<char> seen_pixels(const TracedScene& view, std::span<const char> bsdfs) {
+    return dilate(visible_pixels(view, bsdfs), view.film.crop_width, view.film.crop_height,
+                  filter_halo(view.film.filter));
 }
 
 int draw_shift(const ReconstructionFilter& filter, int scale, float offset, float u) {

@@ -30,7 +30,14 @@ struct SearchView {
     const Image& target;
     const Image& mask;
     Exposure exposure = ExposureFactors{1, 1, 1};
+    float max_mask = 1;  ///< the largest of all views: ratios of weights matter alone
 };
+
+/// The view where its exposure is known.
+inline SearchView at_exposure(const ExposureFactors& exposure, SearchView view) {
+    view.exposure = exposure;
+    return view;
+}
 
 /// Unknowns that are searched together: those of one material, or of several that share one.
 struct SearchGroup {
@@ -92,6 +99,10 @@ struct SearchFrame {
     std::vector<RecordShader> shaders = {};      ///< values alone
     std::vector<ConstantTextures> mixture = {};  ///< what BSDF samples follow
 };
+
+/// The pixels whose samples may meet one of the BSDFs, within the reach of the film's filter:
+/// non-zero, row by row.
+std::vector<char> seen_pixels(const TracedScene& view, std::span<const char> bsdfs);
 
 /// number: tells the random numbers of views apart. A view whose exposure is to be fitted has 1.
 SearchFrame make_search_frame(const SearchPlan& plan, const SearchView& view, std::uint32_t number);

@@ -14,6 +14,7 @@
 #include "optimize/option_table.h"
 #include "optimize/ranks.h"
 #include "optimize/search_guide.h"
+#include "optimize/search_plan.h"
 #include "optimize/views.h"
 #include "render/renderer.h"
 
@@ -105,6 +106,19 @@ PyramidMaps maps_of(const Scene& scene, const Options& o, TextureId texture,
                      bitmap.wrap == TextureWrap::kRepeat);
 }
 
+/// Of what a run searches.
+float max_mask_of(const Setup& setup) {
+    std::vector<TextureId> unknowns;
+    for (const UnknownTexture& u : setup.unknowns)
+        if (u.start_kind == StartKind::kSearched) unknowns.push_back(u.texture);
+    std::vector<SearchView> views;
+    for (const std::size_t i : searched_views(setup.fitted.size())) {
+        const View& v = setup.problem.views[setup.fitted[i]];
+        views.push_back({scene_of(setup, setup.fitted[i]), v.image, v.mask});
+    }
+    return max_mask(views, unknowns);
+}
+
 }  // namespace
 
 std::optional<std::size_t> which_fitted(const Setup& setup, std::size_t view) {
@@ -163,6 +177,7 @@ Setup make_setup(Problem problem, Options options) {
         setup.unknowns.push_back({ids[i], start, guided, take_start(u, bitmap), std::move(charts),
                                   adam, std::move(maps)});
     }
+    setup.max_mask = max_mask_of(setup);
     return setup;
 }
 

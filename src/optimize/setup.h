@@ -38,6 +38,7 @@ struct Setup {
     /// The rank that each view is rendered by; of those that share its bands the first.
     std::vector<int> owners = {};
     std::vector<UnknownTexture> unknowns = {};
+    float max_mask = 1;  ///< of what is searched: see SearchView
 };
 
 inline const Scene& scene_of(const Setup& setup) { return setup.problem.renderer.data().scene(); }

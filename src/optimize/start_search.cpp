@@ -24,14 +24,6 @@ double effort_of(const Options& options) {
                : 1;
 }
 
-/// Of `count` views those that a run searches.
-std::vector<std::size_t> some_of(std::size_t count) {
-    std::vector<std::size_t> some;
-    const std::size_t max = std::min(count, kMaxSearchViews);
-    for (std::size_t i = 0; i < max; ++i) some.push_back(i * count / max);
-    return some;
-}
-
 std::vector<std::string> names_of(const Scene& scene, const std::vector<TextureId>& textures) {
     std::vector<std::string> names;
     for (const Parameter& p : scene.parameters)
@@ -104,10 +96,11 @@ SearchInput search_input(const Setup& setup) {
             {u.texture, u.charts, guides_of(scene_of(setup), u.texture, recovered)});
         input.indices.push_back(i);
     }
-    input.fitted = some_of(setup.fitted.size());
+    input.fitted = searched_views(setup.fitted.size());
     for (const std::size_t i : input.fitted) {
         const View& v = setup.problem.views[setup.fitted[i]];
-        input.views.push_back({scene_of(setup, setup.fitted[i]), v.image, v.mask, v.exposure});
+        input.views.push_back(
+            {scene_of(setup, setup.fitted[i]), v.image, v.mask, v.exposure, setup.max_mask});
     }
     return input;
 }

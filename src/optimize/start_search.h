@@ -11,9 +11,6 @@
 
 namespace burnish {
 
-/// A run searches no more of its views, spread evenly.
-inline constexpr std::size_t kMaxSearchViews = 16;
-
 struct FoundStarts {
     std::vector<Image> textures;  ///< parallel to the unknowns, [height, width, channels]
     /// Which of them were searched together, and what was tried.

@@ -142,6 +142,20 @@ TEST(SearchAgain, WhatItFindsIsKeptWhereNoSampleCame) {
     }
 }
 
+/// As the search for the start does.
+TEST(SearchAgain, IsTheSameWhateverTheScaleOfAMask) {
+    const Options options = options_with(2);
+    const auto costs_under = [&](float weight) {
+        Problem problem = searched_problem(smooth_scene(), SearchStart{});
+        problem.views[0].mask = make_image(48, 48, 1, weight);
+        State::Values state = misled_state(problem, options);
+        state.iteration = 1;
+        search_again(make_setup(problem, options), state);
+        return state.search_costs.at(0).costs;
+    };
+    EXPECT_EQ(costs_under(std::ldexp(1.0f, -10)), costs_under(1));
+}
+
 /// Of a texture of as many texels with other channels.
 TEST(SearchAgain, AStateWhoseStartsAreOfAnotherShapeIsRefused) {
     const auto problem = [](int channels) {

@@ -497,6 +497,39 @@ TEST(StartSearch, LeavesMaskedPixelsOut) {
     EXPECT_NE(Solver(problem, {}).texture(0), whole) << "without a mask it does matter";
 }
 
+/// Ratios of weights matter alone. By powers of two, so that nothing is rounded otherwise.
+TEST(StartSearch, IsTheSameWhateverTheScaleOfTheMasks) {
+    const Scene scene = smooth_scene();
+    Problem problem = searched_problem(scene, SearchStart{});
+    problem.views.push_back(problem.views[0]);
+    const auto searched = [&](float weight) {
+        problem.views[0].mask = make_image(48, 48, 1, weight);
+        problem.views[1].mask = make_image(48, 48, 3, weight / 2);
+        return Solver(problem, {}).texture(0);
+    };
+    const Image expected = searched(1);
+    EXPECT_LT(distance_of(expected, truth_of(scene, 0)), 0.1);
+    for (const int power : {-10, -60, 10})
+        EXPECT_EQ(searched(std::ldexp(1.0f, power)), expected) << power;
+}
+
+/// Nor does it matter what pixels weigh that see no unknown: here those of a view that looks away.
+TEST(StartSearch, IsTheSameWhateverOtherPixelsWeigh) {
+    Problem problem = searched_problem(smooth_scene(), SearchStart{});
+    problem.views.push_back(problem.views[0]);
+    Camera up;
+    up.width = up.height = 48, up.focal_x = up.focal_y = 48, up.center_x = up.center_y = 24;
+    up.camera_to_world = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 5, 0, 0, 0, 1};
+    problem.views[1].camera = up;
+    const Image expected = Solver(problem, {}).texture(0);
+    const float small = std::ldexp(1.0f, -10);
+    problem.views[0].mask = make_image(48, 48, 1, small);
+    EXPECT_EQ(make_setup(problem, {}).max_mask, small);
+    EXPECT_EQ(Solver(problem, {}).texture(0), expected);
+    problem.views[0].mask = make_image(48, 48, 1);
+    EXPECT_EQ(make_setup(problem, {}).max_mask, 1) << "none counts";
+}
+
 /// Pixels of the lamp's reflection that are black, which no roughness explains, do not decide for
 /// those around them. Costs that are sums of squares must fail here.
 TEST(StartSearch, PixelsThatNothingExplainsDoNotDecide) {
