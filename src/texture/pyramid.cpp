@@ -49,9 +49,9 @@ void take_larger(const Prolongation& prolongation, const ChartBorders& borders, 
             int coarse_x = columns.near, coarse_y = rows.near;
             if (border != row.end() && border->x == x) {
                 const auto& weight = (border++)->weight;
-                const auto most = std::max_element(weight.begin(), weight.end());
-                if (*most == 0) continue;
-                const auto k = most - weight.begin();
+                const auto heaviest = std::max_element(weight.begin(), weight.end());
+                if (*heaviest == 0) continue;
+                const auto k = heaviest - weight.begin();
                 if (k % 2 == 1) coarse_x = columns.far;
                 if (k / 2 == 1) coarse_y = rows.far;
             }
