@@ -157,12 +157,17 @@ Turning turning_of(const Value& v) {
     fail(v, "\"exif\" or \"stored\"");
 }
 
+ViewPlaces places_of(const Value& v) {
+    const std::string view = place_of(v);
+    return {view, view + ".image", view + ".mask", view + ".camera", view + ".emitters"};
+}
+
 CapturedView view_of(const Value& v, std::size_t number, Skies& skies) {
     check_object(v, {"name", "image", "encoding", "orientation", "mask", "exposure", "emitters",
                      "environment", "camera", "split"});
     require_member(v, "camera");
     CapturedView captured;
-    captured.place = place_of(v);
+    captured.places = places_of(v);
     View& view = captured.view;
     view.name = has(v, "name") ? text(member(v, "name")) : fmt::format("view_{:03}", number);
     if (has(v, "image")) captured.image = file_of(member(v, "image"));

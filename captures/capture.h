@@ -12,6 +12,12 @@
 
 namespace burnish {
 
+/// Where a view and what it names stand, in messages: "capture.json: views[0].image". Empty: in no
+/// file.
+struct ViewPlaces {
+    std::string view, image, mask, camera, emitters;
+};
+
 /// A view and where its pictures come from.
 struct CapturedView {
     View view;                            ///< without pictures
@@ -21,7 +27,7 @@ struct CapturedView {
     Turning turning = Turning::kUpright;  ///< of the image and the mask
     std::string size_of = {};  ///< image whose size its camera has, that of the first view without
                                ///< a size; empty: the camera has one of its own
-    std::string place = {};    ///< of a capture: "capture.json: views[0]"
+    ViewPlaces places = {};
 };
 
 struct Capture {

@@ -7,6 +7,7 @@
 #include <variant>
 
 #include "burnish/error.h"
+#include "core/at_place.h"
 #include "image/image.h"
 #include "image/numbers.h"
 #include "image/whole.h"
@@ -95,11 +96,14 @@ MaskFile read_mask(const std::filesystem::path& file, Turning turning) {
 }
 
 MaskFile read_mask(const CapturedView& view) {
-    return view.mask.empty() ? MaskFile{} : read_mask(view.mask, view.turning);
+    if (view.mask.empty()) return {};
+    return at_place(view.places.mask, [&] { return read_mask(view.mask, view.turning); });
 }
 
-Photograph read_picture(const CapturedView& view, const Image& mask, double scale,
-                        const std::string& what) {
+namespace {
+
+/// Of the size of the view's camera, unless that is a sensor.
+Photograph sized_photograph(const CapturedView& view, const std::string& what) {
     Photograph p = read_photograph(view.image, view.encoding, view.turning);
     if (const auto* camera = std::get_if<Camera>(&view.view.camera)) {
         require_size(p.image, camera->width, camera->height,
@@ -108,18 +112,30 @@ Photograph read_picture(const CapturedView& view, const Image& mask, double scal
                          ? "the size of its camera"
                          : "\"w\" and \"h\" in its frame, or the size of " + view.size_of);
     }
+    return p;
+}
+
+}  // namespace
+
+Photograph read_picture(const CapturedView& view, const Image& mask, double scale,
+                        const std::string& what) {
+    Photograph p = at_place(view.places.image, [&] { return sized_photograph(view, what); });
     if (mask.width > 0) {
-        require_size(mask, p.image.width, p.image.height, "the mask (" + view.mask + ")",
-                     "the size of the picture" + turning_text(p));
+        at_place(view.places.mask, [&] {
+            require_size(mask, p.image.width, p.image.height, "the mask (" + view.mask + ")",
+                         "the size of the picture" + turning_text(p));
+        });
         add_mask(mask, p);
     }
     p = scaled(std::move(p), scale);
     const Image weights = weights_of(p);
     if (weights.width > 0 &&
         std::none_of(weights.values.begin(), weights.values.end(), [](float w) { return w > 0; }))
-        throw InputError(
-            fmt::format("{} ({}): no pixel counts: each has a mask or an alpha of 0, or is clipped",
-                        what, view.image));
+        at_place(view.places.image, [&] {
+            throw InputError(fmt::format(
+                "{} ({}): no pixel counts: each has a mask or an alpha of 0, or is clipped", what,
+                view.image));
+        });
     return p;
 }
 

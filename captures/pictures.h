@@ -32,12 +32,13 @@ struct MaskFile {
 /// for. Of a file whose alpha is below 1 somewhere, the alpha. Throws InputError: outside of 0 to
 /// 1, not finite, all zero.
 MaskFile read_mask(const std::filesystem::path& file, Turning turning);
-/// That of a view, if it names one.
+/// That of a view, if it names one. Its errors begin with the place of the mask, if it has one.
 MaskFile read_mask(const CapturedView& view);
 
 /// The picture of a view with a mask, empty or of the picture's size, which weighs its colours
 /// where it is made smaller. scale: in (0, 1]. what: "the target of front", in messages. Throws
-/// InputError: it is not as large as its camera, the mask is of another size, or no pixel counts.
+/// InputError, which begins with the place of the picture or of the mask, if that has one: it is
+/// not as large as its camera, the mask is of another size, or no pixel counts.
 Photograph read_picture(const CapturedView& view, const Image& mask, double scale,
                         const std::string& what);
 

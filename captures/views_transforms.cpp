@@ -282,7 +282,12 @@ CapturedView view_of(const Frame& frame, const std::string& folder, Size& known)
     CapturedView captured;
     captured.turning = Turning::kAsStored;
     captured.image = with_extension(path, picture_at(path, folder));
-    if (const auto mask = frame.find("mask_path")) captured.mask = picture_at(*mask, folder);
+    const std::string place = place_of(frame.frame);
+    captured.places = {place, place_of(path), "", place, ""};
+    if (const auto mask = frame.find("mask_path")) {
+        captured.mask = picture_at(*mask, folder);
+        captured.places.mask = place_of(*mask);
+    }
     captured.view.name = name_of_path(text(path));
     Camera camera;
     const Size size = size_of(frame, captured.image, known);

@@ -26,6 +26,7 @@
 #include "cli/unseeing_views.h"
 #include "cli/view_pictures.h"
 #include "cli/without_effect.h"
+#include "core/at_place.h"
 #include "core/parallel.h"
 #include "gradient/estimator.h"
 #include "image/files.h"
@@ -90,7 +91,9 @@ void log_pictures(RunResult& run) {
 void make_view_renderers(const Renderer& renderer, RunResult& run) {
     Problem problem{renderer, {}, {}, {}};
     for (const CapturedView& source : run.sources) problem.views.push_back(source.view);
-    fitted_views(problem);
+    const RunSettings& asked = run.settings.run;
+    at_place(is_capture(asked.scene) ? asked.scene + ": views" : asked.views,
+             [&] { fitted_views(problem); });
     run.renderers = make_captured_views(problem, run.sources);
 }
 

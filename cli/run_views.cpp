@@ -10,6 +10,8 @@
 #include "core/at_place.h"
 #include "optimize/view_loss.h"
 #include "optimize/views.h"
+#include "render/renderer.h"
+#include "render/view.h"
 
 namespace burnish {
 
@@ -64,6 +66,7 @@ void refuse_view_options(const RunSettings& run, const char* what, const std::st
 }  // namespace
 
 void use_capture(const Capture& capture, SceneOptions& scene) {
+    scene.place = scene.file + ": scene";
     scene.file = capture.scene;
     const std::vector<std::string> given = scene.definitions;
     for (const auto& definition : capture.definitions) {
@@ -113,21 +116,42 @@ std::vector<CapturedView> views_of(const RunSettings& run, const std::optional<C
     return views;
 }
 
+namespace {
+
+/// naming_view, of a view that has no place, with which errors would begin.
+template <class Body>
+auto naming_unplaced(const std::vector<CapturedView>& views, std::size_t i, const Body& body) {
+    if (!views[i].places.view.empty()) return body();
+    return naming_view(views[i].view, i, views.size(), body);
+}
+
+/// Throws InputError, which begins with the place of the key.
+void require_sensor_and_emitters(const Renderer& renderer, const CapturedView& view) {
+    const auto* sensor = std::get_if<Sensor>(&view.view.camera);
+    if (sensor && !view.places.camera.empty())
+        at_place(view.places.camera, [&] { (void)renderer.with_camera(*sensor); });
+    if (const auto& emitters = view.view.lighting.emitters)
+        at_place(view.places.emitters,
+                 [&] { require_emitters(renderer.data().scene(), *emitters); });
+}
+
+}  // namespace
+
 void size_cameras(const RunSettings& run, const Renderer& renderer,
                   const std::vector<Photograph>& photographs, std::vector<CapturedView>& views) {
     for (std::size_t i = 0; i < views.size(); ++i)
-        views[i].view.camera = at_place(views[i].place, [&] {
-            return naming_view(views[i].view, i, views.size(),
-                               [&] { return camera_for(run, views[i], photographs[i], renderer); });
-        });
+        views[i].view.camera = naming_unplaced(
+            views, i, [&] { return camera_for(run, views[i], photographs[i], renderer); });
 }
 
 std::vector<Renderer> make_captured_views(const Problem& problem,
                                           const std::vector<CapturedView>& views) {
     std::vector<Renderer> renderers;
-    for (std::size_t i = 0; i < views.size(); ++i)
+    for (std::size_t i = 0; i < views.size(); ++i) {
+        require_sensor_and_emitters(problem.renderer, views[i]);
         renderers.push_back(
-            at_place(views[i].place, [&] { return make_view(problem, i, renderers); }));
+            at_place(views[i].places.view, [&] { return make_view(problem, i, renderers); }));
+    }
     return renderers;
 }
 

@@ -13,6 +13,7 @@
 #include "cli/progress.h"
 #include "cli/settings.h"
 #include "cli/texture_files.h"
+#include "core/at_place.h"
 #include "image/files.h"
 #include "image/image.h"
 #include "scene/constants.h"
@@ -143,14 +144,16 @@ void require_no_views(const std::string& file) {
 }  // namespace
 
 LoadedScene load_scene_quietly(const SceneOptions& options) {
-    require_no_views(options.file);
     LoadOptions load;
     load.definitions = definitions_of(options);
     load.ignore_unsupported = options.ignore_unsupported;
     load.before_reading = options.before_reading;
     if (!options.size.empty()) load.width = options.size[0], load.height = options.size[1];
     const TickingLine line("loading " + options.file);
-    return load_scene(options.file, load);
+    return at_place(options.place, [&] {
+        require_no_views(options.file);
+        return load_scene(options.file, load);
+    });
 }
 
 LoadedScene load_scene_with_progress(const SceneOptions& options) {

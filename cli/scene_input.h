@@ -18,6 +18,7 @@ namespace burnish {
 
 struct SceneOptions {
     std::string file;
+    std::string place;  ///< that names the file, "capture.json: scene"; empty: the command line
     std::vector<std::string> definitions;  ///< "name=value"
     std::vector<int> size;                 ///< width and height, or empty: the scene's
     bool ignore_unsupported = false;

@@ -64,11 +64,8 @@ Pictures read_pictures(const RunSettings& run, const std::vector<CapturedView>& 
     for_pictures(views.size(), at_once, [&](std::size_t i) {
         const std::string what =
             "the target" + (views.size() == 1 ? "" : " of " + name_of(views[i].view, i));
-        MaskFile& mask = pictures.masks[i];
-        pictures.photographs[i] = at_place(views[i].place, [&] {
-            mask = read_mask(views[i]);
-            return picture_of(views[i], mask.weights, run.scale, what);
-        });
+        MaskFile& mask = pictures.masks[i] = read_mask(views[i]);
+        pictures.photographs[i] = picture_of(views[i], mask.weights, run.scale, what);
         mask.weights = {};
     });
     return pictures;
@@ -79,8 +76,10 @@ namespace {
 /// Of a view that is rendered.
 void require_mask_size(const CapturedView& view, const Photograph& p, int width, int height,
                        const char* expected) {
-    if (view.image.empty() && !view.mask.empty())
+    if (!view.image.empty() || view.mask.empty()) return;
+    at_place(view.places.mask, [&] {
         require_file_size(p, width, height, "the mask (" + view.mask + ")", expected);
+    });
 }
 
 /// `seen`: through the sensor. The size of a film that --size gives counts for targets.
@@ -92,31 +91,11 @@ void require_film(const RunSettings& run, const CapturedView& view, const Photog
         require_file_size(p, seen.width(), seen.height(),
                           fmt::format("the target ({}{})", view.image, turning_text(p)),
                           "the size of the film");
-    at_place(view.image + turning_text(p),
-             [&] { require_aspect(seen.data().traced.film, p.file_width, p.file_height); });
+    at_place(view.places.image, [&] {
+        at_place(view.image + turning_text(p),
+                 [&] { require_aspect(seen.data().traced.film, p.file_width, p.file_height); });
+    });
 }
-
-}  // namespace
-
-ViewCamera camera_for(const RunSettings& run, const CapturedView& view, const Photograph& p,
-                      const Renderer& renderer) {
-    return match(
-        view.view.camera,
-        [&](const Sensor& sensor) -> ViewCamera {
-            const Renderer seen = renderer.with_camera(sensor);
-            require_film(run, view, p, seen);
-            ScaledSize size = scaled_size(seen.width(), seen.height(), run.scale);
-            if (p.image.width > 0) size.width = p.image.width, size.height = p.image.height;
-            if (size.width == seen.width() && size.height == seen.height()) return sensor;
-            return Sensor{sensor.name, size.width, size.height};
-        },
-        [&](const Camera& camera) -> ViewCamera {
-            require_mask_size(view, p, camera.width, camera.height, "the size of its camera");
-            return scaled(camera, run.scale);
-        });
-}
-
-namespace {
 
 bool is_dark(const Lighting& lighting) {
     const bool no_emitter = lighting.emitters && lighting.emitters->empty();
@@ -131,7 +110,8 @@ struct CheckedView {
     std::string complaint = {};
 };
 
-CheckedView check_view(const Renderer& renderer, const CapturedView& view) {
+CheckedView check_view(const Renderer& renderer, CapturedView view) {
+    view.places = {};  // its name stands before what is found
     CheckedView checked{view.view.camera};
     Photograph& p = checked.photograph;
     const RunSettings whole_size;
@@ -150,6 +130,25 @@ CheckedView check_view(const Renderer& renderer, const CapturedView& view) {
 }
 
 }  // namespace
+
+ViewCamera camera_for(const RunSettings& run, const CapturedView& view, const Photograph& p,
+                      const Renderer& renderer) {
+    return match(
+        view.view.camera,
+        [&](const Sensor& sensor) -> ViewCamera {
+            const Renderer seen =
+                at_place(view.places.camera, [&] { return renderer.with_camera(sensor); });
+            require_film(run, view, p, seen);
+            ScaledSize size = scaled_size(seen.width(), seen.height(), run.scale);
+            if (p.image.width > 0) size.width = p.image.width, size.height = p.image.height;
+            if (size.width == seen.width() && size.height == seen.height()) return sensor;
+            return Sensor{sensor.name, size.width, size.height};
+        },
+        [&](const Camera& camera) -> ViewCamera {
+            require_mask_size(view, p, camera.width, camera.height, "the size of its camera");
+            return scaled(camera, run.scale);
+        });
+}
 
 CheckedViews check_views(const Renderer& renderer, const std::vector<CapturedView>& views) {
     std::vector<CheckedView> each(views.size());

@@ -22,9 +22,9 @@ struct Pictures {
 Pictures read_pictures(const RunSettings& run, const std::vector<CapturedView>& views,
                        std::size_t at_once);
 
-/// The camera of a view for what read_pictures has read, at the run's scale. Throws InputError
-/// where the file of a picture does not fit the film of a sensor, or that of a mask a rendered
-/// view.
+/// The camera of a view for what read_pictures has read, at the run's scale. Throws InputError,
+/// which begins with the place of what is wrong, if that has one: where there is no such sensor, or
+/// the file of a picture does not fit its film, or that of a mask a rendered view.
 ViewCamera camera_for(const RunSettings& run, const CapturedView& view,
                       const Photograph& photograph, const Renderer& renderer);
 

@@ -28,8 +28,11 @@ struct PythonCapture {
 
 View with_picture(const CapturedView& captured, double scale) {
     if (captured.image.empty())
-        throw InputError("the view " + captured.view.name +
-                         " has no image: expected one, for no picture is rendered in its place");
+        at_place(captured.places.view, [&] {
+            throw InputError(
+                "the view " + captured.view.name +
+                " has no image: expected one, for no picture is rendered in its place");
+        });
     Photograph p = read_picture(captured, read_mask(captured).weights, scale,
                                 "the target of " + captured.view.name);
     View view = captured.view;
@@ -52,7 +55,7 @@ std::vector<View> with_pictures(const std::vector<CapturedView>& captured, doubl
     std::vector<View> views;
     for (const CapturedView& c : captured) {
         check_abandoned(is_abandoned);
-        views.push_back(at_place(c.place, [&] { return with_picture(c, scale); }));
+        views.push_back(with_picture(c, scale));
     }
     return views;
 }

@@ -168,11 +168,7 @@ bool is_environment(const Emitter& emitter) {
 
 /// The scene's emitters of these ids.
 std::vector<Emitter> emitters_of(const Scene& scene, const std::vector<std::string>& wanted) {
-    for (const std::string& id : wanted)
-        require(std::find(scene.emitter_ids.begin(), scene.emitter_ids.end(), id) !=
-                    scene.emitter_ids.end(),
-                "there is no emitter '" + id + "' in the scene, expected " +
-                    list_or_none(scene.emitter_ids));
+    require_emitters(scene, wanted);
     std::vector<Emitter> emitters;
     for (std::size_t i = 0; i < scene.emitter_ids.size(); ++i)
         if (std::find(wanted.begin(), wanted.end(), scene.emitter_ids[i]) != wanted.end())
@@ -222,6 +218,14 @@ EnvironmentEmitter changed(const Environment& environment, const EnvironmentEmit
 }
 
 }  // namespace
+
+void require_emitters(const Scene& scene, const std::vector<std::string>& ids) {
+    for (const std::string& id : ids)
+        require(std::find(scene.emitter_ids.begin(), scene.emitter_ids.end(), id) !=
+                    scene.emitter_ids.end(),
+                "there is no emitter '" + id + "' in the scene, expected " +
+                    list_or_none(scene.emitter_ids));
+}
 
 void require_aspect(const Film& film, int width, int height, int cut) {
     const double missing = rows_of(film, width) - height;

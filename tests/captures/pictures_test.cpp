@@ -132,5 +132,28 @@ TEST_F(Masks, OfAStoredPictureThatIsTurnedAreRefusedWithItsOrientation) {
     EXPECT_EQ(read_picture(view, stored, 1, "the target").image.width, 28);
 }
 
+TEST_F(Masks, AndPicturesAreRefusedWithTheirPlaces) {
+    CapturedView view;
+    view.image = folder / "a.png", view.mask = folder / "m.png";
+    view.places = {"c.json: views[0]", "c.json: views[0].image", "c.json: views[0].mask", "", ""};
+    const auto starts = [](const std::string& message, const std::string& place) {
+        return message.starts_with(place) ? "" : message;
+    };
+    const auto complaint = [&] {
+        return test::error_of([&] { read_picture(view, read_mask(view).weights, 1, "it"); });
+    };
+    EXPECT_EQ(starts(complaint(), view.places.mask + ": " + view.mask + ": no such file"), "");
+    write_image(folder / "m.png", make_image(2, 2, 1, 1.0f));
+    EXPECT_EQ(starts(complaint(), view.places.image + ": " + view.image + ": no such file"), "");
+    write_image(folder / "a.png", make_image(3, 2, 3, 0.5f));
+    EXPECT_EQ(starts(complaint(), view.places.mask + ": the mask (" + view.mask + ") is 2 x 2"),
+              "");
+    view.mask.clear();
+    view.view.camera = Camera{.width = 4, .height = 4};
+    EXPECT_EQ(starts(complaint(), view.places.image + ": it (" + view.image + ") is 3 x 2"), "");
+    write_image(folder / "a.png", make_image(4, 4, 3, 1.0f));  // clipped
+    EXPECT_EQ(starts(complaint(), view.places.image + ": it (" + view.image + "): no pixel"), "");
+}
+
 }  // namespace
 }  // namespace burnish

@@ -189,21 +189,43 @@ TEST_F(CaptureTest, WhatIsWrongIsSaidWithItsKey) {
     }
 }
 
-TEST_F(CaptureTest, WhatIsNotThereIsSaidWithItsView) {
+TEST_F(CaptureTest, WhatIsNotThereOrDoesNotFitIsSaidWithItsKey) {
     write_scene();
+    write_image(folder / "wide.png", make_image(24, 12, 3, 0.5f));
     const std::pair<const char*, const char*> kMissing[] = {
-        {R"("camera": {"sensor": 0}, "image": "lost.png")", "lost.png: "},
-        {R"("camera": {"sensor": 0}, "emitters": ["sun"])", "b: there is no emitter 'sun'"},
-        {R"("camera": {"sensor": "left"})", "b: there is no sensor 'left'"}};
+        {R"("camera": {"sensor": 0}, "image": "lost.png")", ".image: lost.png: "},
+        {R"("camera": {"sensor": 0}, "mask": "lost.png")", ".mask: lost.png: "},
+        {R"("camera": {"sensor": 0}, "image": "wide.png")", ".image: wide.png: the picture has 24"},
+        {R"("camera": {"sensor": 0}, "mask": "wide.png")", ".mask: the mask (wide.png) is 24 x 12"},
+        {R"("camera": {"sensor": 0}, "emitters": ["sun"])", ".emitters: there is no emitter 'sun'"},
+        {R"("camera": {"sensor": "left"})", ".camera: there is no sensor 'left'"}};
     for (const auto& [keys, expected] : kMissing) {
         write_text(file, R"({"version": 1, "scene": "scene.xml", "views": [
             {"name": "a", "camera": {"sensor": 0}}, {"name": "b", )" +
                              std::string(keys) + "}]}");
-        const std::string message = std::string("capture.json: views[1]: ") + expected;
+        const std::string message = std::string("capture.json: views[1]") + expected;
         expect_refused("optimize capture.json --parameter base_color --iterations 1 -o no", 65,
                        message);
-        if (!contains(expected, "lost")) expect_refused("info capture.json", 65, message);
+        if (!contains(expected, ".png")) expect_refused("info capture.json", 65, message);
     }
+}
+
+TEST_F(CaptureTest, WhatIsWrongWithItsSceneOrWithAllViewsIsSaidWithItsKey) {
+    write_scene();
+    const std::string view = R"("views": [{"camera": {"sensor": 0}}])";
+    const std::string optimize =
+        "optimize capture.json --parameter base_color --target-spp 1 -o no";
+    for (const auto& [keys, expected] :
+         {std::pair{R"("scene": "lost.xml", )" + view, "scene: lost.xml: no such file"},
+          {R"("scene": "capture.json", )" + view, "scene: capture.json: found a JSON file"},
+          {R"("scene": "scene.xml", "defines": {"nix": 3}, )" + view,
+           "scene: scene.xml: a value is given for $nix"}}) {
+        write_text(file, R"({"version": 1, )" + keys + "}");
+        for (const std::string& command : {optimize, std::string("info capture.json")})
+            expect_refused(command, 65, std::string("burnish: capture.json: ") + expected);
+    }
+    write_text(file, with_keys(R"(, "split": "test")"));
+    expect_refused(optimize, 65, "burnish: capture.json: views: the problem has no view to fit");
 }
 
 TEST_F(CaptureTest, ItTakesThePlaceOfNoSceneOfOtherCommands) {

@@ -250,7 +250,8 @@ TEST_F(Colmap, ARunFitsItsViews) {
         {"--images absent", "absent/a.exr"},
         {"--images photos --hold-out c.exr",
          "--hold-out: no view is named \"c.exr\": expected one of a.exr, b.exr"},
-        {"--images photos --hold-out a.exr --hold-out b.exr", "no view to fit"},
+        {"--images photos --hold-out a.exr --hold-out b.exr",
+         "burnish: sparse: the problem has no view to fit"},
     };
     for (const auto& [options, message] : kBad) {
         const Outcome bad = run(command + options + " -o bad");

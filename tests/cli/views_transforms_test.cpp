@@ -153,6 +153,9 @@ TEST_F(Transforms, APictureOfAnotherSizeIsSaidWithThatOfTheFirst) {
     } catch (const InputError& e) {
         found = e.what();
     }
+    EXPECT_TRUE(found.starts_with((folder / "transforms.json").string() +
+                                  ": frames[1].file_path: the target ("))
+        << found;
     EXPECT_TRUE(
         contains(found, "is 5 x 6 pixels, expected \"w\" and \"h\" in its frame, or the size of " +
                             views[0].image + ", 6 x 5"))

@@ -195,13 +195,13 @@ def test_messages(folder):
         burnish.read_views(folder)
     text = (folder / "capture.json").read_text()
     (folder / "capture.json").write_text(text.replace('"image": "side.exr", ', ""))
-    with pytest.raises(burnish.InputError, match="the view side has no image"):
+    with pytest.raises(burnish.InputError, match=r"capture.json: views\[1\]: the view side has no image"):
         burnish.read_capture(folder / "capture.json")
     burnish.write_image(folder / "small.exr", np.ones((20, 24, 1), np.float32))
     (folder / "capture.json").write_text(text.replace("mask.exr", "small.exr"))
-    with pytest.raises(burnish.InputError, match="mask .* is 24 x 20 pixels, expected the size of the picture, 32 x 32"):
+    with pytest.raises(burnish.InputError, match=r"capture.json: views\[0\].mask: the mask .* is 24 x 20 pixels, expected the size of the picture, 32 x 32"):
         burnish.read_capture(folder / "capture.json")
     (folder / "capture.json").write_text(text)
     burnish.write_image(folder / "side.exr", np.ones((20, 25, 3), np.float32))
-    with pytest.raises(burnish.InputError, match="side.exr.* is 25 x 20 pixels, expected the size of its camera, 24 x 20"):
+    with pytest.raises(burnish.InputError, match=r"views\[1\].image: .*side.exr.* is 25 x 20 pixels, expected the size of its camera, 24 x 20"):
         burnish.read_capture(folder / "capture.json")
