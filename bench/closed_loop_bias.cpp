@@ -30,7 +30,6 @@ struct CommandLine {
 
 Options options_of(const CommandLine& line) {
     Options options;
-    options.loss = Loss::kRelMse;
     for (const std::string& text : line.sets) {
         const std::size_t equals = text.find('=');
         const OptionRow* row = find_option(text.substr(0, equals));

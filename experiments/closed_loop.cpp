@@ -1,14 +1,14 @@
 #include "experiments/closed_loop.h"
 
+#include <algorithm>
 #include <cmath>
+#include <variant>
 
 #include "optimize/iterate.h"
 
 namespace burnish {
 
 namespace {
-
-constexpr std::uint32_t kFreshPasses = 16;  // of each half
 
 /// The gradient of the next iteration from a state.
 Image next_gradient(const Setup& setup, State::Values state) {
@@ -19,9 +19,10 @@ Image next_gradient(const Setup& setup, State::Values state) {
                                                               : own.gradient[0]);
 }
 
-/// The gradient at `texture` from fresh passes alone.
-Image fresh_gradient(Problem problem, Options options, const Image& texture, std::uint32_t seed) {
-    options.estimator = PathCache{.samples = 2 * kFreshPasses, .window = kFreshPasses};
+/// The gradient at `texture` from fresh passes alone, so many in each half.
+Image fresh_gradient(Problem problem, Options options, const Image& texture, std::uint32_t passes,
+                     std::uint32_t seed) {
+    options.estimator = PathCache{.samples = 2 * passes, .window = passes};
     options.parameterization = Parameterization::kTexels;  // starts at `texture` to the byte
     options.seed = seed;
     problem.unknowns[0].start = texture;
@@ -31,14 +32,22 @@ Image fresh_gradient(Problem problem, Options options, const Image& texture, std
 
 }  // namespace
 
+std::uint32_t reference_passes(const Options& options, std::uint32_t iterations) {
+    const auto* cache = std::get_if<PathCache>(&options.estimator);
+    if (!cache || options.loss != Loss::kReweighted) return 16;
+    const std::uint64_t traced = std::uint64_t{iterations} * cache->samples;
+    return static_cast<std::uint32_t>(std::clamp<std::uint64_t>(traced / 2, 1, cache->window));
+}
+
 LoopProducts run_closed_loop(const Problem& problem, Options options, std::uint32_t iterations,
                              std::uint32_t run) {
     options.seed = 3 * run;
     Solver solver(problem, options);
     while (solver.iterations() + 1 < iterations) solver.step();
     const Image g = next_gradient(make_setup(problem, options), solver.state().values());
-    const Image a = fresh_gradient(problem, options, solver.texture(0), 3 * run + 1),
-                b = fresh_gradient(problem, options, solver.texture(0), 3 * run + 2);
+    const std::uint32_t passes = reference_passes(options, iterations);
+    const Image a = fresh_gradient(problem, options, solver.texture(0), passes, 3 * run + 1),
+                b = fresh_gradient(problem, options, solver.texture(0), passes, 3 * run + 2);
     const double norm = dot(a, b);
     return {dot(g, b) - norm, norm};
 }

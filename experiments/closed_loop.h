@@ -3,8 +3,7 @@
 //
 // The textures of a run depend on the samples that its last gradient is made of. Two gradients of
 // fresh passes at the same textures, a and b, do not: bias = E<g - a, b> / E<a, b>, the distance
-// along the gradient and relative to it. Of losses whose gradient has one mean for any number of
-// passes: not of Loss::kReweighted.
+// along the gradient and relative to it.
 #pragma once
 
 #include <span>
@@ -17,6 +16,11 @@ namespace burnish {
 struct LoopProducts {
     double error = 0, norm = 0;
 };
+
+/// How many passes each half of a and of b has, after so many iterations. The mean of the gradient
+/// of Loss::kReweighted changes with the noise of its weights: they have as many as a half of the
+/// run's path cache then keeps.
+std::uint32_t reference_passes(const Options& options, std::uint32_t iterations);
 
 /// A run of so many iterations on a problem with one unknown. Runs of different `run` are
 /// independent.

@@ -68,6 +68,20 @@ TEST(ClosedLoop, TheErrorOfABiasIsThatOfAMean) {
     EXPECT_DOUBLE_EQ(bias.standard_error, std::sqrt(13.0 / 3) / 2);
 }
 
+// The default is reweighted, by a path cache of 4 fresh passes and windows of 32.
+TEST(ClosedLoop, GradientsOfReweightedPixelsAreComparedAtTheNoiseOfTheRun) {
+    Options options;
+    EXPECT_EQ(reference_passes(options, 1), 2u);
+    EXPECT_EQ(reference_passes(options, 6), 12u);
+    EXPECT_EQ(reference_passes(options, 25), 32u);
+    options.estimator = PathCache{.samples = 1, .window = 16};
+    EXPECT_EQ(reference_passes(options, 1), 1u);
+    EXPECT_EQ(reference_passes(options, 25), 12u);
+    options.loss = Loss::kRelMse;
+    EXPECT_EQ(reference_passes(options, 1), 16u);
+    EXPECT_EQ(reference_passes(options, 25), 16u);
+}
+
 TEST(ClosedLoop, BiasOfThePathCacheIsBoundedAtTheDefaultRate) {
     const Problem problem = make_problem();
     constexpr double rate = 0.01;  // the default from a start that is not searched
