@@ -80,6 +80,14 @@ TEST(CorpusFolders, HoldFilesThatNameOthersOfAReader) {
     EXPECT_EQ(fs::current_path(), before);
 }
 
+TEST(CorpusFolders, HaveADictionary) {
+    for (const fuzz::Reader& reader : fuzz::readers()) {
+        const fs::path file =
+            fs::path(BURNISH_FUZZ_CORPUS) / ".." / (std::string(reader.name) + ".dict");
+        EXPECT_TRUE(fs::exists(file)) << reader.name;
+    }
+}
+
 TEST(CorpusFolders, HaveAReader) {
     for (const auto& entry : fs::directory_iterator(BURNISH_FUZZ_CORPUS))
         EXPECT_NE(fuzz::find_reader(entry.path().filename().string()), nullptr) << entry.path();

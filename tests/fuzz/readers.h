@@ -10,9 +10,9 @@
 
 namespace burnish::fuzz {
 
-/// A reader of files.
+/// A reader of files. Its corpus is tests/fuzz/corpus/NAME, its dictionary tests/fuzz/NAME.dict.
 struct Reader {
-    const char* name;  ///< its corpus is tests/fuzz/corpus/NAME
+    const char* name;
     const char* file;  ///< what its files are called on the disk
     void (*read)(const std::filesystem::path& file);
 };
