@@ -2,11 +2,9 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
-
 #include "cli/commands.h"
 #include "optimize/option_value.h"
-#include "scene/parameter_names.h"
+#include "scene/constants.h"
 
 namespace burnish {
 
@@ -15,11 +13,9 @@ bool ends_in_rate(const std::string& text) {
     return at != std::string::npos && parse_number(text.substr(at + 1));
 }
 
-RatedName split_rate(const std::vector<Parameter>& parameters, const std::string& text) {
+RatedName split_rate(const Scene& scene, const std::string& text) {
     const std::size_t at = text.rfind('@');
-    const bool whole = std::any_of(parameters.begin(), parameters.end(),
-                                   [&](const Parameter& p) { return is_short_form(text, p.name); });
-    if (at == std::string::npos || whole) return {text, 0};
+    if (at == std::string::npos || means_input(scene, text)) return {text, 0};
     const std::optional<double> rate = parse_number(text.substr(at + 1));
     if (!rate || !(*rate > 0))
         throw UsageError(

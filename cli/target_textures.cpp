@@ -43,7 +43,7 @@ Image initial_texels(const Bitmap& bitmap, const std::string& text, const std::s
 
 TargetTexture make_target_texture(const RunSettings& run, std::size_t i, bool rendered,
                                   Scene& scene) {
-    const RatedName rated = split_rate(scene.parameters, run.parameters[i]);
+    const RatedName rated = split_rate(scene, run.parameters[i]);
     const Parameter p = scene.parameters[require_parameter(scene, rated.name)];
     check_unknown(scene, p.name, p.texture);
     auto& bitmap = std::get<Bitmap>(scene[p.texture]);

@@ -25,11 +25,18 @@ Renderer make_renderer(LoadedScene loaded, LightSelection selection) {
 }
 
 TextureId find_texture(const Scene& scene, const std::string& parameter) {
-    if (const ConstantParameter* constant = constant_of(scene, parameter))
-        throw InputError((parameter == constant->name ? "" : parameter + ": ") + constant->name +
-                         " is a constant: expected a renderer that was loaded with it among its "
-                         "constants");
-    return scene.parameters[find_parameter(scene.parameters, parameter)].texture;
+    const SizedName sized = split_size(scene, parameter);
+    const NamedInput found = find_input(scene, sized.name);
+    if (found.is_constant) {
+        const std::string& name = scene.constants[found.index].name;
+        throw InputError(fmt::format(
+            "{}{} is a constant: expected a renderer that was loaded with {} among its constants",
+            parameter == name ? "" : parameter + ": ", name, sized.width > 0 ? parameter : "it"));
+    }
+    require(
+        sized.width == 0,
+        parameter + ": expected no size, which is for constants that a renderer is loaded with");
+    return scene.parameters[found.index].texture;
 }
 
 std::vector<TextureId> find_textures(const Scene& scene,

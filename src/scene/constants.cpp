@@ -112,37 +112,69 @@ std::size_t free_constant(Scene& scene, const ConstantParameter& constant, const
     return parameter;
 }
 
-/// Constants as parameters: their texture is the first that is one number with them.
-std::vector<Parameter> listed(const std::vector<ConstantParameter>& constants) {
-    std::vector<Parameter> all;
-    std::map<std::tuple<int, bool, int>, std::int32_t> indices;
-    for (const ConstantParameter& c : constants) {
-        const auto index = static_cast<std::int32_t>(all.size());
+/// Bitmaps and, behind them, constants as parameters. The texture of a constant is none of the
+/// scene's; it is the same for all that are one number.
+std::vector<Parameter> named_inputs(const Scene& scene) {
+    std::vector<Parameter> all = scene.parameters;
+    std::map<std::tuple<int, bool, int>, std::int32_t> textures;
+    for (const ConstantParameter& c : scene.constants) {
+        const auto next = static_cast<std::int32_t>(scene.textures.size() + all.size());
         all.push_back(
             {c.name,
-             {c.element < 0 ? index : indices.try_emplace(number_of(c), index).first->second}});
+             {c.element < 0 ? next : textures.try_emplace(number_of(c), next).first->second}});
     }
     return all;
 }
 
-bool means_one_of(const std::vector<Parameter>& parameters, const std::string& name) {
-    return std::any_of(parameters.begin(), parameters.end(), [&](const Parameter& p) {
-        return p.name == name || is_short_form(name, p.name);
-    });
+NameMatch best_match(const std::vector<Parameter>& parameters, const std::string& name) {
+    auto best = NameMatch::kNone;
+    for (const Parameter& p : parameters) best = std::max(best, match_name(name, p.name));
+    return best;
 }
 
-/// Where what precedes a colon means a parameter, what follows it is a size.
-void require_size(const std::vector<Parameter>& parameters, const std::vector<Parameter>& constants,
-                  const std::string& text) {
+bool means_one_of(const std::vector<Parameter>& parameters, const std::string& name) {
+    return best_match(parameters, name) != NameMatch::kNone;
+}
+
+/// Inputs that cannot be recovered, and why.
+struct FixedInputs {
+    std::vector<std::string> Scene::*names;
+    const char* reason;
+};
+constexpr FixedInputs kFixedInputs[] = {
+    {&Scene::attribute_inputs,
+     "reads a mesh attribute, which cannot be recovered: expected a bitmap or a constant"},
+    {&Scene::layer_inputs,
+     "says which material or normal is shown, which cannot be recovered: expected an input of a "
+     "BSDF, or a bitmap or a number that weighs two"},
+    {&Scene::fixed_inputs, "cannot be recovered: expected another input of a BSDF"}};
+
+/// None of the inputs that cannot be recovered is named better than the best one that can.
+void require_recoverable(const Scene& scene, const std::string& name, NameMatch best) {
+    for (const FixedInputs& fixed : kFixedInputs)
+        for (const std::string& input : scene.*fixed.names)
+            if (match_name(name, input) > best)
+                throw InputError(fmt::format("{}: {} {}", name, input, fixed.reason));
+}
+
+/// Where what precedes a colon means an input, what follows it is a size.
+void require_size(const std::vector<Parameter>& inputs, const std::string& text) {
     const std::size_t at = text.rfind(':');
-    if (at == std::string::npos || split_size(text).width > 0) return;
-    const std::string name = text.substr(0, at);
-    if (means_one_of(constants, text)) return;
-    if (means_one_of(parameters, name) || means_one_of(constants, name))
+    if (at == std::string::npos || split_size(text).width > 0 || means_one_of(inputs, text)) return;
+    if (means_one_of(inputs, text.substr(0, at)))
         throw InputError(
             fmt::format("{}: found the size '{}', expected texels a side, 1 to {}, as 512 or "
                         "512x256",
                         text, text.substr(at + 1), kMaxSide));
+}
+
+/// A bitmap keeps its size.
+void require_same_size(const Scene& scene, const Parameter& parameter, const SizedName& sized,
+                       const std::string& text) {
+    const auto& bitmap = std::get<Bitmap>(scene[parameter.texture]);
+    if (sized.width > 0 && (sized.width != bitmap.width || sized.height != bitmap.height))
+        throw InputError(fmt::format("{}: {} is a bitmap of {} x {} texels: expected no other size",
+                                     text, parameter.name, bitmap.width, bitmap.height));
 }
 
 }  // namespace
@@ -159,16 +191,20 @@ SizedName split_size(const std::string& text) {
     return {text.substr(0, at), width, height};
 }
 
-const ConstantParameter* constant_of(const Scene& scene, const std::string& name) {
-    if (means_one_of(scene.parameters, name)) return nullptr;
-    const ConstantParameter* found = nullptr;
-    for (const ConstantParameter& c : scene.constants) {
-        if (c.name == name) return &c;
-        if (!is_short_form(name, c.name)) continue;
-        if (found && !is_one_number(*found, c)) return nullptr;
-        if (!found) found = &c;
-    }
-    return found;
+SizedName split_size(const Scene& scene, const std::string& text) {
+    return means_one_of(named_inputs(scene), text) ? SizedName{text} : split_size(text);
+}
+
+bool means_input(const Scene& scene, const std::string& text) {
+    const std::vector<Parameter> inputs = named_inputs(scene);
+    return means_one_of(inputs, text) || means_one_of(inputs, split_size(text).name);
+}
+
+NamedInput find_input(const Scene& scene, const std::string& name) {
+    const std::vector<Parameter> inputs = named_inputs(scene);
+    require_recoverable(scene, name, best_match(inputs, name));
+    const std::size_t found = find_parameter(inputs, name), bitmaps = scene.parameters.size();
+    return found < bitmaps ? NamedInput{found, false} : NamedInput{found - bitmaps, true};
 }
 
 Image value_of(const Scene& scene, const ConstantParameter& constant) {
@@ -181,40 +217,12 @@ Image value_of(const Scene& scene, const ConstantParameter& constant) {
 }
 
 std::size_t require_parameter(Scene& scene, const std::string& text) {
-    const SizedName sized =
-        means_one_of(scene.parameters, text) ? SizedName{text} : split_size(text);
-    if (means_one_of(scene.parameters, sized.name)) {
-        const std::size_t found = find_parameter(scene.parameters, sized.name);
-        const auto& bitmap = std::get<Bitmap>(scene[scene.parameters[found].texture]);
-        if (sized.width > 0 && (sized.width != bitmap.width || sized.height != bitmap.height))
-            throw InputError(
-                fmt::format("{}: {} is a bitmap of {} x {} texels: expected no other size", text,
-                            scene.parameters[found].name, bitmap.width, bitmap.height));
-        return found;
-    }
-    for (const std::string& name : scene.attribute_inputs)
-        if (is_short_form(sized.name, name))
-            throw InputError(fmt::format(
-                "{}: {} reads a mesh attribute, which cannot be recovered: expected a bitmap or a "
-                "constant",
-                text, name));
-    for (const std::string& name : scene.layer_inputs)
-        if (name == sized.name || is_short_form(sized.name, name))
-            throw InputError(fmt::format(
-                "{}: {} says which material or normal is shown, which cannot be recovered: "
-                "expected an input of a BSDF, or a bitmap or a number that weighs two",
-                text, name));
-    for (const std::string& name : scene.fixed_inputs)
-        if (is_short_form(sized.name, name))
-            throw InputError(fmt::format(
-                "{}: {} cannot be recovered: expected another input of a BSDF", text, name));
-    const std::vector<Parameter> constants = listed(scene.constants);
-    require_size(scene.parameters, constants, text);
-    if (means_one_of(constants, sized.name))
-        return free_constant(scene, scene.constants[find_parameter(constants, sized.name)], sized);
-    std::vector<Parameter> all = scene.parameters;
-    all.insert(all.end(), constants.begin(), constants.end());
-    return find_parameter(all, sized.name);  // says which names are near
+    require_size(named_inputs(scene), text);
+    const SizedName sized = split_size(scene, text);
+    const NamedInput found = find_input(scene, sized.name);
+    if (found.is_constant) return free_constant(scene, scene.constants[found.index], sized);
+    require_same_size(scene, scene.parameters[found.index], sized, text);
+    return found.index;
 }
 
 }  // namespace burnish

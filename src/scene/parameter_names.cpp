@@ -25,6 +25,29 @@ std::vector<std::string> split(const std::string& text) {
     return parts;
 }
 
+bool is_short_form(const std::string& short_form, const std::string& full_name) {
+    const std::vector<std::string> full = split(full_name);
+    auto at = full.begin();
+    for (const std::string& part : split(short_form)) {
+        at = std::find(at, full.end(), part);
+        if (at == full.end()) return false;
+        ++at;
+    }
+    return true;
+}
+
+/// The parts of a name but for a side of its material and the last .data or .value.
+std::vector<std::string> plain_parts(const std::string& name) {
+    std::vector<std::string> parts = split(name);
+    if (parts.back() == "data" || parts.back() == "value") parts.pop_back();
+    const auto is_side = [](const std::string& part) {
+        return part == "brdf_0" || part == "brdf_1";
+    };
+    if (!parts.empty())  // the first is of the material's id
+        parts.erase(std::remove_if(parts.begin() + 1, parts.end(), is_side), parts.end());
+    return parts;
+}
+
 /// How far a typed name is from a full one: from the whole, or from its nearest part, so that
 /// "roughnes" finds every roughness.
 std::size_t distance_to(const std::string& typed, const std::string& full) {
@@ -73,22 +96,23 @@ std::string list_of(std::vector<std::string> names) {
                        left ? fmt::format(" and {} more", left) : "");
 }
 
-bool is_short_form(const std::string& short_form, const std::string& full_name) {
-    const std::vector<std::string> full = split(full_name);
-    auto at = full.begin();
-    for (const std::string& part : split(short_form)) {
-        at = std::find(at, full.end(), part);
-        if (at == full.end()) return false;
-        ++at;
-    }
-    return true;
+NameMatch match_name(const std::string& text, const std::string& full_name) {
+    if (text == full_name) return NameMatch::kFullName;
+    if (!is_short_form(text, full_name)) return NameMatch::kNone;
+    return plain_parts(text) == plain_parts(full_name) ? NameMatch::kPlainName
+                                                       : NameMatch::kShortForm;
 }
 
 std::size_t find_parameter(const std::vector<Parameter>& parameters, const std::string& name) {
     std::vector<std::size_t> matches;
+    auto best = NameMatch::kShortForm;
     for (std::size_t i = 0; i < parameters.size(); ++i) {
-        if (parameters[i].name == name) return i;
-        if (is_short_form(name, parameters[i].name)) matches.push_back(i);
+        const NameMatch match = match_name(name, parameters[i].name);
+        if (match == NameMatch::kFullName) return i;
+        if (match < best) continue;
+        if (match > best) matches.clear();
+        best = match;
+        matches.push_back(i);
     }
     if (matches.empty()) fail_unknown(parameters, name);
     std::vector<std::string> names;

@@ -9,13 +9,19 @@
 
 namespace burnish {
 
-/// True where the dot-separated parts of `short_form` are parts of `full_name`, in that order:
-/// "mat-tire.roughness" stands for "mat-tire.brdf_0.roughness.data".
-bool is_short_form(const std::string& short_form, const std::string& full_name);
+/// How well a text names a parameter, the best last.
+enum class NameMatch {
+    kNone,
+    kShortForm,  ///< its dot-separated parts are parts of the name, in that order: "roughness"
+    kPlainName,  ///< it leaves out .brdf_0, .brdf_1 and the last .data or .value alone
+    kFullName,
+};
+NameMatch match_name(const std::string& text, const std::string& full_name);
 
-/// The parameter that a name means: its index in `parameters`. A full name wins over short forms;
-/// several matches that share one texture are no ambiguity. Throws InputError: the name is unknown
-/// (says the nearest ones) or ambiguous (says all matches).
+/// The parameter that a name means: its index in `parameters`. Those that it names best count; of
+/// several with one full name the first is meant, and several that share one texture are no
+/// ambiguity. Throws InputError: the name is unknown (says the nearest ones) or ambiguous (says all
+/// matches).
 std::size_t find_parameter(const std::vector<Parameter>& parameters, const std::string& name);
 
 /// Throws InputError where two of the names mean one texture; names both. textures: what the names

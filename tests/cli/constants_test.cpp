@@ -139,6 +139,31 @@ TEST_F(ConstantsTest, OtherCommandsKnowThem) {
     }
 }
 
+/// Blender calls the second material beside "mat-panel" "mat-panel.001".
+TEST_F(ConstantsTest, AreMeantBeforeBitmapsOfOtherMaterials) {
+    std::string scene = read_text(folder / "scene.xml");
+    const std::string second = R"(<bsdf type="twosided" id="mat-panel.001"><bsdf type="principled">
+      <texture type="bitmap" name="metallic"><string name="filename" value="roughness.exr"/>
+        <boolean name="raw" value="true"/></texture></bsdf></bsdf>)";
+    scene.insert(scene.find("<shape"), second);
+    write_text(folder / "scene.xml", scene);
+    const std::string one = "--init 0.5 --iterations 1 --spp 1 --target-spp 1 --evaluation-spp 1 ";
+    for (const auto& [name, full] :
+         {std::pair{"mat-panel.metallic", "value"}, {"mat-panel.metallic:16", "data"}}) {
+        const Outcome outcome = run(std::string("optimize scene.xml --parameter ") + name + " " +
+                                    one + "--force -o out");
+        ASSERT_EQ(outcome.code, 0) << outcome.err;
+        EXPECT_EQ(summary_of("out")["parameters"][0]["name"],
+                  std::string("mat-panel.brdf_0.metallic.") + full);
+    }
+    expect_refused("optimize scene.xml --parameter metallic " + one + "-o no", 65,
+                   "'metallic' is ambiguous, it matches: mat-panel.001.brdf_0.metallic.data, "
+                   "mat-panel.brdf_0.metallic.value");
+    ASSERT_EQ(run("render scene.xml --spp 4 --texture mat-panel.metallic=0.9 -o a.exr").code, 0);
+    ASSERT_EQ(run("render scene.xml --spp 4 --texture mat-panel.metallic=0.2 -o b.exr").code, 0);
+    EXPECT_NE(read_text(folder / "a.exr"), read_text(folder / "b.exr"));
+}
+
 TEST_F(ConstantsTest, DiffTransGoesToTwoAndUnknownsToOne) {
     std::string scene = read_text(folder / "scene.xml");
     const std::size_t begin = scene.find("<bsdf type=\"twosided\""), end = scene.find("<shape");

@@ -100,6 +100,55 @@ TEST(Constants, WhatIsWrongIsSaid) {
     }
 }
 
+std::string complaint_of_unknown(const Scene& scene, const std::string& name) {
+    Problem problem{make_renderer(scene), {{make_image(16, 16, 3, 0.2f)}}, {{name, 0.5f}}};
+    return test::error_of([&] { Solver(problem, {}); });
+}
+
+/// A bitmap of "floor.001" and a constant of "floor".
+TEST(Constants, AreMeantBeforeBitmapsOfOtherMaterials) {
+    const auto make = [] {
+        Scene scene = scene_with_constants();
+        scene.parameters[0].name = "floor.001.brdf_0.roughness.data";
+        scene.constants.push_back({"floor.brdf_0.roughness.value",
+                                   {0},
+                                   3 + static_cast<int>(PrincipledScalar::kRoughness)});
+        return scene;
+    };
+    for (const auto& [name, full] :
+         {std::pair{"floor.001.roughness", "floor.001.brdf_0.roughness.data"},
+          {"floor.roughness", "floor.brdf_0.roughness.value"},
+          {"floor.roughness:16", "floor.brdf_0.roughness.data"}}) {
+        Scene scene = make();
+        EXPECT_EQ(scene.parameters[require_parameter(scene, name)].name, full);
+    }
+    const std::string ambiguous =
+        "the parameter name 'roughness' is ambiguous, it matches: "
+        "floor.001.brdf_0.roughness.data, floor.brdf_0.roughness.value";
+    EXPECT_EQ(complaint_of("roughness", make()), ambiguous);
+    EXPECT_EQ(complaint_of_unknown(make(), "roughness"), ambiguous);
+    EXPECT_TRUE(complaint_of_unknown(make(), "floor.roughness")
+                    .starts_with("floor.roughness: floor.brdf_0.roughness.value is a constant"));
+    Scene attribute = make();
+    attribute.constants.clear();
+    attribute.attribute_inputs = {"floor.brdf_0.roughness.data"};
+    EXPECT_EQ(complaint_of("floor.001.roughness", attribute), "");
+    EXPECT_NE(complaint_of("floor.roughness", attribute).find("reads a mesh attribute"),
+              std::string::npos);
+}
+
+TEST(Constants, SizesOfUnknownsBelongToTheRenderer) {
+    const Scene scene = scene_with_constants();
+    EXPECT_EQ(complaint_of_unknown(scene, "floor.metallic:16"),
+              "floor.metallic:16: floor.brdf_0.metallic.value is a constant: expected a renderer "
+              "that was loaded with floor.metallic:16 among its constants");
+    EXPECT_EQ(complaint_of_unknown(scene, "floor.roughness:8"),
+              "floor.roughness:8: expected no size, which is for constants that a renderer is "
+              "loaded with");
+    EXPECT_EQ(complaint_of_unknown(scene, "floor.metalic:16"),
+              "no parameter is called 'floor.metalic', did you mean: floor.brdf_0.metallic.value");
+}
+
 TEST(Constants, SizesAreOfAtMost16384TexelsASide) {
     EXPECT_EQ(split_size("m:16384").height, 16384);
     EXPECT_EQ(split_size("m:1x16384").height, 16384);

@@ -33,6 +33,15 @@ def test_the_sentence_is_that_of_the_library(scene, tmp_path):
             burnish.load(wrong)
 
 
+def test_a_size_belongs_to_the_constants_of_a_renderer(renderer, target):
+    for name, expected in [("mat-goblet.metallic:16", r"brdf_0\.metallic\.value is a constant: expected a renderer that was loaded with "
+                                                      "mat-goblet.metallic:16 among its constants"),
+                           ("mat-goblet.roughness:16", "expected no size, which is for constants that a renderer is loaded with"),
+                           ("mat-goblet.metalic:16", r"did you mean: mat-goblet\.brdf_0\.metallic\.value")]:
+        with pytest.raises(burnish.InputError, match=expected):
+            burnish.solve(burnish.Problem(renderer, target, burnish.Unknown(name, 0.5)), iterations=1)
+
+
 def test_paths_need_not_be_utf8(scene, tmp_path):
     for path in (tmp_path / os.fsdecode(b"caf\xe9"), os.fsencode(tmp_path) + b"/caf\xe9"):
         with pytest.raises(burnish.InputError, match=r"caf\\xe9"):

@@ -22,9 +22,20 @@ TEST(ParameterNames, ShortFormsAreSubsequencesOfTheParts) {
     const std::string full = "mat-tire.brdf_0.roughness.data";
     for (const char* s : {"mat-tire.brdf_0.roughness.data", "mat-tire.roughness", "roughness",
                           "brdf_0.roughness", "mat-tire.data"})
-        EXPECT_TRUE(is_short_form(s, full)) << s;
+        EXPECT_NE(match_name(s, full), NameMatch::kNone) << s;
     for (const char* s : {"roughness.mat-tire", "rough", "mat-tire.roughness.roughness", "", "."})
-        EXPECT_FALSE(is_short_form(s, full)) << s;
+        EXPECT_EQ(match_name(s, full), NameMatch::kNone) << s;
+}
+
+TEST(ParameterNames, PlainNamesLeaveOutTheSideAndTheLastPart) {
+    const std::string full = "mat-tire.001.brdf_1.roughness.data";
+    EXPECT_EQ(match_name(full, full), NameMatch::kFullName);
+    for (const char* plain :
+         {"mat-tire.001.roughness", "mat-tire.001.brdf_1.roughness", "mat-tire.001.roughness.data"})
+        EXPECT_EQ(match_name(plain, full), NameMatch::kPlainName) << plain;
+    for (const char* s : {"mat-tire.roughness", "001.roughness", "brdf_1.roughness", "data"})
+        EXPECT_EQ(match_name(s, full), NameMatch::kShortForm) << s;
+    EXPECT_EQ(match_name("mat-tire.001.brdf_0.roughness", full), NameMatch::kNone);
 }
 
 TEST(ParameterNames, FindsTheOneThatIsMeant) {
@@ -40,6 +51,20 @@ TEST(ParameterNames, SharedTexturesAreNoAmbiguity) {
 TEST(ParameterNames, AFullNameWinsOverShortForms) {
     const std::vector<Parameter> nested{{"a.b.c", TextureId{0}}, {"a.c", TextureId{1}}};
     EXPECT_EQ(find_parameter(nested, "a.c"), 1u);
+}
+
+/// Blender calls the second material beside "Material" "Material.001".
+TEST(ParameterNames, APlainNameWinsOverOtherShortForms) {
+    const std::vector<Parameter> two{{"mat-Material.001.brdf_0.base_color.data", TextureId{0}},
+                                     {"mat-Material.brdf_0.base_color.value", TextureId{1}},
+                                     {"mat-Material.brdf_1.base_color.value", TextureId{2}},
+                                     {"mat-Other.base_color.value", TextureId{3}}};
+    EXPECT_EQ(find_parameter(two, "mat-Material.001.base_color"), 0u);
+    EXPECT_EQ(find_parameter(two, "mat-Material.brdf_0.base_color"), 1u);
+    EXPECT_EQ(find_parameter(two, "mat-Other.base_color"), 3u);
+    EXPECT_EQ(test::error_of([&] { find_parameter(two, "mat-Material.base_color"); }),
+              "the parameter name 'mat-Material.base_color' is ambiguous, it matches: "
+              "mat-Material.brdf_0.base_color.value, mat-Material.brdf_1.base_color.value");
 }
 
 TEST(ParameterNames, AmbiguousNamesListTheirMatches) {
