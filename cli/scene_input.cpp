@@ -27,6 +27,15 @@ constexpr std::size_t kMaxListed = 8;
 
 const char* sentence(const char* name) { return find_setting(name).info.sentence; }
 
+/// The name of --texture NAME=VALUE may hold a = itself: the longest that the scene has is meant.
+std::pair<std::string, std::string> split_texture(const Scene& scene, const std::string& text) {
+    for (std::size_t at = text.rfind('='); at != std::string::npos && at > 0;
+         at = text.rfind('=', at - 1))
+        if (means_input(scene, text.substr(0, at)))
+            return {text.substr(0, at), text.substr(at + 1)};
+    return split_assignment("--texture", text);
+}
+
 }  // namespace
 
 void log_first(const std::vector<std::string>& sentences, void (*log_one)(const std::string&),
@@ -92,7 +101,7 @@ void replace_textures(Scene& scene, const std::vector<std::string>& assignments)
     std::vector<std::string> names;
     std::vector<TextureId> replaced;
     for (const std::string& assignment : assignments) {
-        const auto [name, value] = split_assignment("--texture", assignment);
+        const auto [name, value] = split_texture(scene, assignment);
         if (value.empty())
             throw UsageError("--texture: " + name + ": " + complaint_of_empty(value));
         const Parameter p = scene.parameters[require_parameter(scene, name)];

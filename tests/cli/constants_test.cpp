@@ -164,6 +164,26 @@ TEST_F(ConstantsTest, AreMeantBeforeBitmapsOfOtherMaterials) {
     EXPECT_NE(read_text(folder / "a.exr"), read_text(folder / "b.exr"));
 }
 
+TEST_F(ConstantsTest, NamesMayHoldTheSignsOfRatesAndValues) {
+    std::string scene = read_text(folder / "scene.xml");
+    for (std::size_t at; (at = scene.find("\"mat-panel\"")) != std::string::npos;)
+        scene.replace(at, 11, "\"mat@2=x\"");
+    write_text(folder / "scene.xml", scene);
+    ASSERT_EQ(run("render scene.xml --spp 4 --texture mat@2=x.metallic=0.9 -o a.exr").code, 0);
+    ASSERT_EQ(run("render scene.xml --spp 4 --texture mat@2=x.metallic:8=0.2 -o b.exr").code, 0);
+    EXPECT_NE(read_text(folder / "a.exr"), read_text(folder / "b.exr"));
+    fs::rename(folder / "roughness.exr", folder / "a=b.exr");
+    ASSERT_EQ(run("render scene.xml --spp 4 --texture metallic=a=b.exr -o b.exr").code, 65)
+        << "8 x 8 texels for one";
+    ASSERT_EQ(run("render scene.xml --spp 4 --texture metallic:8=a=b.exr -o b.exr").code, 0);
+    const Outcome outcome =
+        run("optimize scene.xml --parameter mat@2=x.metallic --parameter "
+            "mat@2=x.roughness:8@0.02 --init 0.5 --iterations 1 --spp 1 --target-spp 1 "
+            "--evaluation-spp 1 -o out");
+    ASSERT_EQ(outcome.code, 0) << outcome.err;
+    EXPECT_EQ(summary_of("out")["parameters"][1]["size"], json({8, 8, 1}));
+}
+
 TEST_F(ConstantsTest, DiffTransGoesToTwoAndUnknownsToOne) {
     std::string scene = read_text(folder / "scene.xml");
     const std::size_t begin = scene.find("<bsdf type=\"twosided\""), end = scene.find("<shape");
