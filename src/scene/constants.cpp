@@ -136,6 +136,17 @@ bool means_one_of(const std::vector<Parameter>& parameters, const std::string& n
     return best_match(parameters, name) != NameMatch::kNone;
 }
 
+/// named_inputs; constants that the scene does not give, which are of every material, have no name
+/// where a short form fits others.
+std::vector<Parameter> meant_inputs(const Scene& scene, const std::string& name) {
+    std::vector<Parameter> all = named_inputs(scene);
+    if (best_match(all, name) != NameMatch::kShortForm) return all;
+    std::vector<Parameter> given = all;
+    for (std::size_t i = 0; i < scene.constants.size(); ++i)
+        if (!scene.constants[i].is_given) given[scene.parameters.size() + i].name.clear();
+    return means_one_of(given, name) ? given : all;
+}
+
 /// Inputs that cannot be recovered, and why.
 struct FixedInputs {
     std::vector<std::string> Scene::*names;
@@ -201,7 +212,7 @@ bool means_input(const Scene& scene, const std::string& text) {
 }
 
 NamedInput find_input(const Scene& scene, const std::string& name) {
-    const std::vector<Parameter> inputs = named_inputs(scene);
+    const std::vector<Parameter> inputs = meant_inputs(scene, name);
     require_recoverable(scene, name, best_match(inputs, name));
     const std::size_t found = find_parameter(inputs, name), bitmaps = scene.parameters.size();
     return found < bitmaps ? NamedInput{found, false} : NamedInput{found - bitmaps, true};

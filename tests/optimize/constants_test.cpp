@@ -107,14 +107,16 @@ std::string complaint_of_unknown(const Scene& scene, const std::string& name) {
 
 /// A bitmap of "floor.001" and a constant of "floor".
 TEST(Constants, AreMeantBeforeBitmapsOfOtherMaterials) {
-    const auto make = [] {
+    const auto make = [](bool is_given = true) {
         Scene scene = scene_with_constants();
         scene.parameters[0].name = "floor.001.brdf_0.roughness.data";
         scene.constants.push_back({"floor.brdf_0.roughness.value",
                                    {0},
-                                   3 + static_cast<int>(PrincipledScalar::kRoughness)});
+                                   3 + static_cast<int>(PrincipledScalar::kRoughness),
+                                   is_given});
         return scene;
     };
+    EXPECT_EQ(complaint_of("roughness", make(false)), "") << "a default is not meant beside others";
     for (const auto& [name, full] :
          {std::pair{"floor.001.roughness", "floor.001.brdf_0.roughness.data"},
           {"floor.roughness", "floor.brdf_0.roughness.value"},
