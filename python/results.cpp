@@ -105,6 +105,8 @@ void bind_evaluation(nb::module_& m) {
         .def_ro("noise_floor", &Evaluation::noise_floor, "The mean over the fitted views.")
         .def_ro("views", &Evaluation::views, nb::rv_policy::reference_internal)
         .def_ro("samples_per_pixel", &Evaluation::samples_per_pixel)
+        .def_ro("rejected", &Evaluation::rejected,
+                "Samples of all views that were not finite and were left out.")
         .def("__repr__", [](const Evaluation& e) {
             return fmt::format("Evaluation(loss={:f}, noise_floor={:f})", e.loss, e.noise_floor);
         });

@@ -164,6 +164,7 @@ struct Evaluation {
     double noise_floor = 0;  ///< the mean over the fitted views
     std::vector<ViewEvaluation> views = {};  ///< parallel to Problem::views
     std::uint32_t samples_per_pixel = 0;
+    std::size_t rejected = 0;  ///< samples of all views that were not finite, left out
 };
 /// The loss without the noise floor, where that is known: what evaluations of different numbers of
 /// samples are compared by. May be a little below zero.
@@ -286,8 +287,9 @@ struct SearchedAgain {
 /// Sums over the iterations of a run.
 struct RunCounts {
     std::uint32_t iterations = 0;
-    std::size_t paths = 0, derivatives = 0;                    ///< as of Iteration
-    std::size_t rejected_image = 0, rejected_derivatives = 0;  ///< not finite, left out
+    std::size_t paths = 0, derivatives = 0;  ///< as of Iteration
+    /// Not finite, left out; of images those of Summary::start and result, too.
+    std::size_t rejected_image = 0, rejected_derivatives = 0;
 };
 
 struct Summary {

@@ -9,6 +9,7 @@
 #include "gradient/mean_gradient.h"
 #include "image/image.h"
 #include "image/whole.h"
+#include "render/render.h"
 #include "render/renderer.h"
 
 namespace burnish {
@@ -41,11 +42,7 @@ void require_finite_gradient(std::size_t rejected, std::size_t kept,
                              const std::vector<Image>& gradient) {
     constexpr const char* kReason =
         "values of the scene or of the adjoint are too large, or not finite";
-    const std::size_t all = rejected + kept;
-    if (static_cast<double>(rejected) > kMaxRejectedShare * static_cast<double>(all))
-        throw InputError(
-            fmt::format("{} of {} contributions were not finite, expected at most one in 1000: {}",
-                        rejected, all, kReason));
+    require_few_rejected(rejected, rejected + kept, "contributions", kReason);
     if (std::ranges::any_of(gradient, [](const Image& g) { return !is_finite(g); }))
         throw InputError(fmt::format("the gradient is not finite: {}", kReason));
 }

@@ -24,10 +24,6 @@ struct GradientCounts {
     Outlier largest;             ///< contribution; none of PathCache
 };
 
-/// The largest share of samples or contributions that may be left out, not finite: else values are
-/// too large.
-inline constexpr double kMaxRejectedShare = 1e-3;
-
 /// Of estimators without halves.
 struct GradientResult {
     std::vector<TexelGradient> gradient;  ///< sorted by key; absent texels have a zero estimate

@@ -54,11 +54,11 @@ double psnr_of(const Setup& setup, std::size_t view, const Theta& theta,
 }
 
 ViewEvaluation evaluate_view(const Setup& setup, std::size_t view, const Theta& theta,
-                             std::uint32_t half_samples, std::uint32_t salt,
+                             std::uint32_t half_samples, std::uint32_t salt, RenderCounts& counts,
                              const Progress& progress) {
     const auto image = [&](std::uint32_t which) {
         const Progress share = [&](double done) { progress((which + done) / 2); };
-        return evaluation_image(setup, view, theta, {salt, which}, half_samples,
+        return evaluation_image(setup, view, theta, {salt, which}, half_samples, &counts,
                                 progress ? share : Progress{});
     };
     const Image a = image(0), b = image(1);
@@ -82,7 +82,7 @@ Compared compared_in(const TracedScene& scene, const Theta& theta, const Image& 
 }
 
 Image evaluation_image(const Setup& setup, std::size_t view, const Theta& theta, EvaluationKey key,
-                       std::uint32_t passes, const Progress& progress) {
+                       std::uint32_t passes, RenderCounts* counts, const Progress& progress) {
     const TextureTable textures = texture_table(scene_of(setup), theta);
     // A seed for each half: the passes of one seed share a sequence of film offsets that fills the
     // pixel evenly, so that parts of it are not independent.
@@ -91,12 +91,12 @@ Image evaluation_image(const Setup& setup, std::size_t view, const Theta& theta,
                                   static_cast<std::uint32_t>(Stream::kEvaluation)})[0];
     const TraceInput input{
         .scene = &scene_of(setup, view), .textures = &textures, .key = {seed, Stream::kEvaluation}};
-    if (!renders_together(setup)) return render(input, 0, passes, nullptr, progress);
+    if (!renders_together(setup)) return render(input, 0, passes, counts, progress);
     const Ranks& ranks = setup.problem.ranks;
     const Film& film = input.scene->film;
     const std::size_t count = tile_count(film);
     TileImages sums =
-        render_tiles(input, {0, 0, passes}, run_of(ranks, ranks.rank, count), nullptr, progress);
+        render_tiles(input, {0, 0, passes}, run_of(ranks, ranks.rank, count), counts, progress);
     share(ranks, shared_out(ranks, count), Recipient::kAll, sums);
     return image_of_tiles(film, passes, sums);
 }
@@ -111,11 +111,14 @@ Evaluation evaluate(const Setup& setup, const Theta& theta, std::uint32_t sample
     Evaluation result;
     result.samples_per_pixel = 2 * half;
     result.views.resize(setup.views.size());
+    RenderCounts counts;
     for (std::size_t view = 0; view < setup.views.size(); ++view)
         if (is_mine(setup, view))
-            result.views[view] = evaluate_view(setup, view, theta, half, salt,
+            result.views[view] = evaluate_view(setup, view, theta, half, salt, counts,
                                                progress_of_view(setup, view, progress));
     share_evaluations(setup, result.views);
+    for (const std::size_t rejected : all_values(setup.problem.ranks, counts.rejected))
+        result.rejected += rejected;
     for (const std::size_t view : setup.fitted) {
         const double share = 1 / static_cast<double>(setup.fitted.size());
         result.loss += share * result.views[view].loss;

@@ -23,9 +23,11 @@ struct Compared {
 /// scene: of the view.
 Compared compared_in(const TracedScene& scene, const Theta& theta, const Image& mask);
 
-/// The image of theta in a view, from so many fresh samples per pixel.
+/// The image of theta in a view, from so many fresh samples per pixel. counts: of what this process
+/// has rendered of it.
 Image evaluation_image(const Setup& setup, std::size_t view, const Theta& theta, EvaluationKey key,
-                       std::uint32_t passes, const Progress& progress = {});
+                       std::uint32_t passes, RenderCounts* counts = nullptr,
+                       const Progress& progress = {});
 
 /// Of all views. samples_per_pixel: 2 to kMaxSamplesPerPixel; throws InputError for others. The
 /// first process has all images, the others those of their own views.

@@ -10,6 +10,7 @@
 #include "core/parallel.h"
 #include "gradient/estimator.h"
 #include "optimize/batch.h"
+#include "render/render.h"
 
 namespace burnish {
 

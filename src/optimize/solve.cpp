@@ -242,6 +242,7 @@ void evaluate_textures(Solver::Impl& run, const Theta& start, const StageProgres
         evaluate_result(run.setup, theta, samples, stage_of(progress, "evaluating the result"));
     for (std::size_t i = 0; i < summary.textures.size(); ++i)
         summary.textures[i].values = std::move(theta.textures[i].values);
+    summary.counts.rejected_image += summary.start.rejected + summary.result.rejected;
 }
 
 /// Whether a process is asked to stop.

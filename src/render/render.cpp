@@ -1,9 +1,12 @@
 #include "render/render.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <numeric>
 #include <utility>
 
+#include "burnish/error.h"
 #include "core/parallel.h"
 #include "paths/primary_rays.h"
 #include "render/pass_convolution.h"
@@ -117,6 +120,14 @@ Image render_with(const TraceInput& input, TraceBatch trace_batch, const Passes&
 }
 
 }  // namespace
+
+void require_few_rejected(std::size_t rejected, std::size_t all, const char* what,
+                          const char* reason) {
+    if (static_cast<double>(rejected) > kMaxRejectedShare * static_cast<double>(all))
+        throw InputError(
+            fmt::format("{} of {} {} were not finite, expected at most one in 1000: {}", rejected,
+                        all, what, reason));
+}
 
 std::size_t tile_count(const Film& film) { return make_tiles(film, kTile).size(); }
 

@@ -16,6 +16,15 @@ struct RenderCounts {
     std::size_t rejected = 0;  ///< samples left out because their value was not finite
 };
 
+/// The largest share of samples or contributions that may be left out, not finite: else values are
+/// too large.
+inline constexpr double kMaxRejectedShare = 1e-3;
+
+/// Throws InputError where more of `all` were left out. what: "samples"; reason: how the message
+/// ends.
+void require_few_rejected(std::size_t rejected, std::size_t all, const char* what,
+                          const char* reason);
+
 /// The image of the crop window as the mean of `passes` passes of an iteration: [crop_height,
 /// crop_width, 3], linear RGB radiance. Only samples whose surface input.choice admits contribute
 /// (the whole image is that of kConstant plus that of kUnknown: the film is linear). The same bytes

@@ -142,7 +142,13 @@ Image Renderer::render(std::uint32_t samples_per_pixel, std::uint32_t seed,
     const ReplacedTextures replaced = replace_textures(data_->scene(), textures);
     const TraceInput input{
         .scene = &data_->traced, .textures = &replaced.table, .key = {seed, Stream::kImage}};
-    return burnish::render(input, 0, samples_per_pixel, nullptr, progress);
+    RenderCounts counts;
+    Image picture = burnish::render(input, 0, samples_per_pixel, &counts, progress);
+    constexpr const char* kReason = "values of the scene or of the textures are too large";
+    const std::size_t samples = picture.values.size() / 3 * samples_per_pixel;
+    require_few_rejected(counts.rejected, samples, "samples", kReason);
+    require_finite(picture, "the picture", kReason);
+    return picture;
 }
 
 }  // namespace burnish

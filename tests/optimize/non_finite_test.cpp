@@ -229,6 +229,51 @@ TEST(NonFinite, LightAndDensitiesAreCountedAndLeftOut) {
             }
 }
 
+/// Light that is lost after the last iteration.
+TEST(NonFinite, EvaluationsAreCountedInTheSummary) {
+    Scene scene = test::small_scene_of(24);
+    scene.shapes = {{"floor", test::make_quad({-50, -50, 0}, {100, 0, 0}, {0, 100, 0}), {0}, {}}};
+    scene.emitters = {EnvironmentEmitter{share(make_image(256, 128, 3, 0.7f)), 1, {}}};
+    Problem problem = test::problem_of(scene);
+    auto data = std::make_shared<RendererData>(problem.renderer.data());
+    const auto lights = std::make_shared<Lights>(*data->traced.lights);
+    data->traced.lights = lights;
+    problem.renderer = Renderer(data);
+    Options options;
+    options.estimator = MonteCarlo{2, 1};
+    options.evaluation_samples = 4, options.stop.iterations = 2;
+    const Summary summary = solve(problem, options, [&](const Iteration& i) {
+        EXPECT_EQ(i.rejected_image + i.rejected_derivatives, 0u);
+        if (i.number + 1 < options.stop.iterations) return Continue;
+        auto sky = std::make_shared<SkyTable>(*lights->environment->sky);
+        for (auto& texel : sky->texels) texel.b = kNan;
+        lights->environment->sky = std::move(sky);
+        return Continue;
+    });
+    EXPECT_GT(summary.start.rejected, 100u);
+    EXPECT_GT(summary.result.rejected, 100u);
+    EXPECT_EQ(summary.counts.rejected_image, summary.start.rejected + summary.result.rejected);
+    EXPECT_EQ(summary.counts.rejected_derivatives, 0u);
+}
+
+TEST(NonFinite, PicturesOfTooMuchLightAreRefused) {
+    Scene lamp = test::small_scene_of(16);
+    lamp.shapes.resize(1);
+    lamp.emitters = {PointEmitter{{0, 0, 0.3f}, {1e38f, 1e38f, 1e38f}}};
+    EXPECT_NE(test::error_of([&] {
+                  make_renderer(lamp).render(16);
+              }).find("samples were not finite, expected at most one in 1000: values of the scene"),
+              std::string::npos);
+    // Each sample is finite, their sum is not.
+    Scene sky;
+    sky.film = {8, 8, 0, 0, 8, 8, {FilterKind::kBox, 0.5f}};
+    sky.emitters = {ConstantEmitter{{1e38f, 1e38f, 1e38f}}};
+    EXPECT_NE(test::error_of([&] {
+                  make_renderer(sky).render(16);
+              }).find("the picture: 192 of 192 values are not finite, the first one (inf)"),
+              std::string::npos);
+}
+
 TEST(NonFinite, GradientsAreCountedAtAnyRate) {
     for (const bool has_halves : {false, true})
         for (const double rate : kRates) {

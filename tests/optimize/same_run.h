@@ -28,6 +28,7 @@ inline Options options_for_ranks(const Estimator& estimator, std::uint32_t batch
 inline void expect_same_evaluation(const Evaluation& found, const Evaluation& whole,
                                    const Ranks& ranks) {
     EXPECT_EQ(found.loss, whole.loss);
+    EXPECT_EQ(found.rejected, whole.rejected);
     const bool is_unknown = std::isnan(found.noise_floor) && std::isnan(whole.noise_floor);
     EXPECT_TRUE(found.noise_floor == whole.noise_floor || is_unknown);
     ASSERT_EQ(found.views.size(), whole.views.size());

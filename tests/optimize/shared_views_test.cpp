@@ -190,6 +190,24 @@ TEST(SharedViews, CountWhatIsLeftOutOnce) {
     });
 }
 
+/// Of one view, which all processes render together, and of several, which one of them does each.
+TEST(SharedViews, EvaluationsCountWhatIsLeftOutOnce) {
+    for (const std::size_t fitted : {1u, 3u}) {
+        Scene scene = test::scene_with_textures(20, 8);
+        std::get<AreaEmitter>(scene.emitters[0]).radiance.y =
+            std::numeric_limits<float>::quiet_NaN();
+        Problem problem = test::problem_with_views(scene);
+        if (fitted == 1) problem.views.resize(1);
+        const Options options = options_to_share(fitted);
+        const Evaluation whole = Solver(problem, options).evaluate(4);
+        EXPECT_GT(whole.rejected, 100u);
+        test::on_ranks(2, [&](const Ranks& ranks) {
+            EXPECT_EQ(Solver(test::of_rank(problem, ranks), options).evaluate(4).rejected,
+                      whole.rejected);
+        });
+    }
+}
+
 struct SharedViewsAndCheckpoints : test::CheckpointFolder {};
 
 TEST_F(SharedViewsAndCheckpoints, ARunGoesOnWithAnotherNumber) {

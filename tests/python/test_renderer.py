@@ -47,6 +47,18 @@ def test_pictures_are_those_of_the_textures(renderer):
     picture[:] = 0  # it is the caller's
 
 
+def test_pictures_of_too_much_light_are_refused(tmp_path):
+    (tmp_path / "scene.xml").write_text("""<scene version="3.0.0"><integrator type="direct"/>
+        <sensor type="perspective"><float name="fov" value="40"/>
+            <film type="hdrfilm"><integer name="width" value="16"/><integer name="height" value="16"/></film>
+            <transform name="to_world"><lookat origin="0, 0, 3" target="0, 0, 0" up="0, 1, 0"/></transform></sensor>
+        <shape type="rectangle"><bsdf type="diffuse" id="floor"/></shape>
+        <emitter type="point"><point name="position" value="0, 0, 0.3"/><rgb name="intensity" value="1e38"/></emitter></scene>""")
+    renderer = burnish.load(tmp_path / "scene.xml", constants=["floor.reflectance"])
+    with pytest.raises(burnish.InputError, match=r"\d+ of 4096 samples were not finite, expected at most one in 1000"):
+        renderer.render(spp=16)
+
+
 def test_two_names_of_one_texture_are_refused(renderer):
     full = next(n for n in renderer.parameters if "roughness" in n and "mat-goblet" in n)
     assert full != NAME
