@@ -39,9 +39,10 @@ struct LedgerEntry {
 inline constexpr double kThoroughAlpha = 1e-6;
 
 /// Of the comparisons that Python programs make, which have no entries: seven of
-/// tests/python/test_gradient.py, 1e-6 each; those of tests/scenes/agree_with_mitsuba.py, 1e-6 in
-/// all, and of tests/scenes/rewritten_in_mitsuba.py, 2.5e-7. A thorough run does not make them.
-inline constexpr double kPythonAlpha = 8.25e-6;
+/// tests/python/test_gradient.py, 1e-6 each, and two of it, 1e-7 each; those of
+/// tests/scenes/agree_with_mitsuba.py, 1e-6 in all, and of tests/scenes/rewritten_in_mitsuba.py,
+/// 2.5e-7. A thorough run does not make them.
+inline constexpr double kPythonAlpha = 8.45e-6;
 
 bool is_thorough();
 

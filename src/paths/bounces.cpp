@@ -125,7 +125,8 @@ void gather_emitters(Tracer& t, const PointBsdfs& bsdfs, std::uint32_t bounce) {
 
 /// With which probability paths of these throughputs go on.
 Packet survival(const Tracer& t, const Rgb<Packet>& throughput, const Packet& eta) {
-    const Packet largest = max(throughput.x, max(throughput.y, throughput.z)) * eta * eta;
+    const Packet largest =
+        max(abs(throughput.x), max(abs(throughput.y), abs(throughput.z))) * eta * eta;
     return min(Packet(kMaxSurvival),
                max(Packet(t.input.keep_black ? kMinSurvival : 0.0f), largest));
 }

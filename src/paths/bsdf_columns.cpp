@@ -141,6 +141,7 @@ BsdfPackets<Principled>::BsdfPackets(const BsdfPoints& points, const IndexRange&
         fill(lanes.diffuse_rate, run, bsdf.diffuse_rate);
         fill(lanes.min_transmission, run, min_transmission(bsdf));
         fill(lanes.min_diffuse, run, min_diffuse(bsdf));
+        fill(lanes.min_clearcoat, run, min_clearcoat(bsdf));
     });
 }
 
@@ -161,6 +162,7 @@ PrincipledParameters<Packet> BsdfPackets<Principled>::at(std::size_t i) const {
     p.diffuse_rate = load(lanes_->diffuse_rate, i);
     p.min_transmission = load(lanes_->min_transmission, i);
     p.min_diffuse = load(lanes_->min_diffuse, i);
+    p.min_clearcoat = load(lanes_->min_clearcoat, i);
     return p;
 }
 

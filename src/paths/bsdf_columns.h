@@ -23,7 +23,8 @@ inline constexpr std::size_t kBsdfRowInputs = kBsdfColor + kThinScalars;
 struct BsdfColumns {
     ColumnVec3 color;  ///< base colour or reflectance
     std::array<Column, kPrincipledScalars> scalar;
-    Column eta, specular_rate, clearcoat_rate, diffuse_rate, min_transmission, min_diffuse;
+    Column eta, specular_rate, clearcoat_rate, diffuse_rate;
+    Column min_transmission, min_diffuse, min_clearcoat;
     std::array<Column, kBsdfRowInputs> inputs;
     std::array<Column, kBsdfConstants> constants;
     std::array<const float*, kMaxLanes> tables;

@@ -36,8 +36,9 @@ DrawnWeight drawn_weight(const TextureTable& textures, const ScalarInput& weight
         weight.texture && !unknowns.slots.empty() && unknowns.slots[texture] >= 0;
     if (is_unknown && !unknowns.mixture.empty()) return {unknowns.mixture[0][texture], 0.5f, true};
     const float share = eval_scalar(textures, weight, uv);
-    if (!is_unknown) return {share, share};
-    return {share, std::clamp(share, kMinChance, 1 - kMinChance), true};
+    if (is_unknown) return {share, std::clamp(share, kMinChance, 1 - kMinChance), true};
+    const float sizes = std::abs(share) + std::abs(1 - share);
+    return {share, share >= 0 && share <= 1 ? share : std::abs(share) / sizes};
 }
 
 /// A normal in the shading frame, of any length, and what the tangent there follows.
@@ -78,9 +79,12 @@ ShownMaterial shown_material(const Scene& scene, const TextureTable& textures, M
         const DrawnWeight w = drawn_weight(textures, blend.weight, point.uv, unknowns);
         const bool second = number_of(point, level) < w.chance;
         shown.material = second ? blend.second : blend.first;
-        if (!w.is_unknown) continue;
-        shown.share *= second ? w.share : 1 - w.share;
-        shown.chance *= second ? w.chance : 1 - w.chance;
+        const float share = second ? w.share : 1 - w.share;
+        const float chance = second ? w.chance : 1 - w.chance;
+        if (w.is_unknown)
+            shown.share *= share, shown.chance *= chance;
+        else if (share != chance)
+            shown.chance *= chance / share;
     }
     return shown;
 }

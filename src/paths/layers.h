@@ -22,13 +22,16 @@ struct UnknownWeights {
     std::span<const ConstantTextures> mixture = {};
 };
 
-/// What a point shows of a blend. Where the weights are known, all of it is in the probability with
-/// which it was drawn. Unknown weights w are drawn with others, p, in which both parts occur: what
-/// they show counts w / p and (1 - w) / (1 - p), under the w of the day and the p of birth.
+/// What a point shows of a blend. Where a weight is known and in [0, 1], all of it is in the
+/// probability with which it was drawn. Others, w, are drawn with a probability p: what they show
+/// counts w / p and (1 - w) / (1 - p). Of unknown weights both parts occur, and what counts is the
+/// w of the day and the p of birth. Of known ones beyond [0, 1] the parts occur as |w| : |1 - w|.
 struct ShownMaterial {
     MaterialId material;
-    float share = 1;   ///< product of the unknown w, or 1 - w
-    float chance = 1;  ///< product of their p, or 1 - p
+    float share = 1;  ///< product of the unknown w, or 1 - w
+    /// Product of their p, or 1 - p, and of p / w, or (1 - p) / (1 - w), of the known ones: at most
+    /// 1; negative where an odd number of known factors is.
+    float chance = 1;
 };
 
 /// The material that the point shows: of a blend one of the two. The number that decides is a

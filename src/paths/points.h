@@ -21,7 +21,7 @@ struct PointLanes {
     ColumnVec3 wi;  ///< back along the ray, local
     Column side;    ///< -1: a two-sided material seen from behind; local z is mirrored
     std::array<MaterialId, kMaxLanes> material;  ///< that is shown
-    bool has_shares = false;  ///< some points are parts of blends whose weight is an unknown
+    bool has_shares = false;  ///< some points are parts of blends whose chance is not 1
     Column share, chance;     ///< as of ShownMaterial; set where some have
     bool has_turned = false;  ///< some normals are turned by a map
     ColumnVec3 old_normal;    ///< before it was turned, where the material says so

@@ -27,6 +27,7 @@ PrincipledParameters<T> bsdf_parameters(const Principled& bsdf, const BsdfInputs
     p.diffuse_rate = Plain<T>(bsdf.diffuse_rate);
     p.min_transmission = Plain<T>(min_transmission(bsdf));
     p.min_diffuse = Plain<T>(min_diffuse(bsdf));
+    p.min_clearcoat = Plain<T>(min_clearcoat(bsdf));
     return p;
 }
 

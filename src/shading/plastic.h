@@ -90,8 +90,8 @@ Rgb<T> eval_plastic_base(const PlasticParameters<T>& p, const Plain<T>& passed,
 /// Probability of the specular lobe. reflected: share of light that the interface reflects.
 template <class U>
 U specular_probability(const PlasticParameters<U>& p, const U& reflected) {
-    const U specular = (p.specular.x + p.specular.y + p.specular.z) * reflected;
-    const U base = (p.diffuse.x + p.diffuse.y + p.diffuse.z) * (U(1.0f) - reflected);
+    const U specular = abs(p.specular.x + p.specular.y + p.specular.z) * reflected;
+    const U base = abs(p.diffuse.x + p.diffuse.y + p.diffuse.z) * (U(1.0f) - reflected);
     const U sum = specular + base;
     const U share = select(sum > U(0.0f), safe_divide(specular, sum), reflected);
     return max(p.min_specular, min(U(U(1.0f) - p.min_diffuse), share));

@@ -186,9 +186,10 @@ Rgb<Joint<C, S, W>> eval_principled(const PrincipledParameters<C, S, W>& p,
 
 /// Probabilities of the lobes given wi and the dielectric reflectance F at the facet; they add up
 /// to 1, or are all 0. Front: specular : transmission : clearcoat : diffuse = s (1 - bsdf (1 - F))
-/// : s bsdf (1 - F) : clearcoat / 4 : brdf, with the rates, bsdf at least p.min_transmission in
-/// the first two, brdf at least p.min_diffuse; back: F : 1 - F. The shares of clearcoat and
-/// diffuse do not depend on F, so the density is exact.
+/// : s bsdf (1 - F) : clearcoat / 4 : brdf, with the rates, bsdf at least p.min_transmission and at
+/// most 1 in the first two, clearcoat at least p.min_clearcoat, brdf at least p.min_diffuse; back:
+/// F : 1 - F. The shares of clearcoat and diffuse do not depend on F, so the density is exact.
+/// Metallic, spec_trans and clearcoat may be any finite number where they have these bounds.
 template <class T>
 struct PrincipledLobes {
     T reflection{}, transmission{}, clearcoat{}, diffuse{};
@@ -201,12 +202,12 @@ PrincipledLobes<T> principled_lobes(const PrincipledParameters<T>& p, const Mask
     const U one(1.0f);
     const T zero(U(0.0f)), dielectric = one - p.metallic;
     const T bsdf = p.has_spec_trans ? T(dielectric * p.spec_trans) : zero;
-    const U min = p.min_transmission;
-    const T drawn = select(bsdf > min, bsdf, T(min));
+    const T drawn = min(max(bsdf, T(p.min_transmission)), T(one));
     const T passed = drawn * (one - fresnel);
-    const T coat = p.has_clearcoat ? T(p.clearcoat * (U(0.25f) * p.clearcoat_rate)) : zero;
+    const T clearcoat = max(p.clearcoat, T(p.min_clearcoat));
+    const T coat = p.has_clearcoat ? T(clearcoat * (U(0.25f) * p.clearcoat_rate)) : zero;
     const T matt = dielectric - bsdf;
-    const T diffuse = select(matt > p.min_diffuse, matt, T(p.min_diffuse)) * p.diffuse_rate;
+    const T diffuse = max(matt, T(p.min_diffuse)) * p.diffuse_rate;
     const T total = coat + diffuse + p.specular_rate;
     const T scale = safe_divide(T(one), total);
     const U inside(p.has_spec_trans ? one : U(0.0f));

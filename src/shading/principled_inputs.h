@@ -16,6 +16,10 @@ inline float min_diffuse(const Principled& bsdf) {
     return min_share({bsdf[kMetallic].texture, bsdf[kSpecTrans].texture});
 }
 
+inline float min_clearcoat(const Principled& bsdf) {
+    return min_share({bsdf[PrincipledScalar::kClearcoat].texture});
+}
+
 /// x as a To: without its derivatives where To has none.
 template <class To, class T>
 To carry(const T& x) {

@@ -1,4 +1,5 @@
-// Bump maps against the reference table, on triangles with the table's tangents.
+// Bump maps against the reference table, on triangles with the table's tangents; the probabilities
+// of the parts of blends.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -6,6 +7,7 @@
 #include "csv.h"
 #include "image/files.h"
 #include "paths/layers.h"
+#include "random_source.h"
 #include "shading/bsdf.h"
 #include "worst.h"
 
@@ -86,6 +88,39 @@ TEST(BumpMap, AgreesWithTheTable) {
     metal.roughness = {FacetShape::kGgx, true, {{{0.5f, {}}, {0.2f, {}}}}};
     EXPECT_LT(agreement(metal, "roughconductor").worst, 1e-3);
     EXPECT_GT(agreement(metal, "roughconductor", 1.01f).worst, 2e-3);
+}
+
+/// A blend of two materials by a known weight.
+Scene blend_of(float weight) {
+    Scene scene;
+    scene.bsdfs = {Diffuse{kWhite}};
+    scene.materials = {{"blend", {0}, {}}, {"first", {0}, {}}, {"second", {0}, {}}};
+    scene.materials[0].blend = MaterialBlend{{weight, {}}, {1}, {2}};
+    return scene;
+}
+
+TEST(Blends, PartsOfKnownWeightsCountWhatTheyHaveToBeyondTheirRange) {
+    for (const float weight : {-3.0f, -0.2f, -1e-3f, 0.0f, 0.3f, 1.0f, 1.001f, 1.4f, 5.0f}) {
+        const Scene scene = blend_of(weight);
+        const TextureTable textures{scene.textures, {}};
+        RandomSource random{31};
+        const float p = std::abs(weight) / (std::abs(weight) + std::abs(1 - weight));
+        int seconds = 0;
+        constexpr int kRays = 4000;
+        for (int i = 0; i < kRays; ++i) {
+            const LayeredPoint point{{random.next(-1, 1), random.next(-1, 1), 1}, {0, 0, -1}, {}};
+            const ShownMaterial shown = shown_material(scene, textures, {0}, point);
+            const bool second = shown.material == MaterialId{2};
+            seconds += second;
+            EXPECT_EQ(shown.share, 1);
+            const bool is_within = weight >= 0 && weight <= 1;
+            const float counts = second ? weight / p : (1 - weight) / (1 - p);
+            EXPECT_NEAR(1 / shown.chance, counts, 1e-3f * std::abs(counts)) << weight;
+            EXPECT_TRUE(is_within ? shown.chance == 1 : shown.chance < 1) << weight;
+        }
+        // What decides is a hash of the ray: six standard deviations at most.
+        EXPECT_NEAR(seconds, kRays * double{p}, 0.05 * kRays) << weight;
+    }
 }
 
 }  // namespace

@@ -12,7 +12,7 @@ from conftest import NAME
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "scenes"))
 from agree_with_mitsuba import t_tail
 
-ALPHA = 1e-6  # of each comparison: seven, which kPythonAlpha of tests/ledger.h counts
+ALPHA = 1e-6  # of each comparison: seven and two of a tenth, which kPythonAlpha of tests/ledger.h counts
 
 
 @pytest.fixture(scope="module")
@@ -141,11 +141,15 @@ SCENES = pathlib.Path(__file__).resolve().parents[1] / "data" / "scenes"
 
 
 def test_weights_of_blends_have_the_slopes_of_pictures():
-    """The pictures of either side take the weight for known, and are affine in it."""
+    """The pictures of either side take the weight for known, and are affine in it, beyond 0 and 1, too."""
     renderer = burnish.load(SCENES / "blend.xml", size=(24, 24))
     gradients, differences = two_sides(renderer, "weight", 0.5, 0.4, 48, seeds=24)
     assert welch(gradients, differences) > ALPHA, f"{gradients.mean()} and {differences.mean()}"
     assert welch(1.2 * gradients, differences) < ALPHA
+    for end in (0, 1):
+        _, differences = two_sides(renderer, "weight", end, 0.4, 48, seeds=24)
+        assert welch(gradients, differences) > ALPHA / 10, f"{gradients.mean()} and {differences.mean()} at {end}"
+        assert welch(1.2 * gradients, differences) < ALPHA / 10
 
 
 DATA = pathlib.Path(__file__).resolve().parents[1] / "data" / "gradients"

@@ -170,10 +170,11 @@ TEST(InterfaceSampling, FollowsItsDensity) {
 
 /// Where a texture holds the value that takes a lobe away, its derivative needs samples still.
 TEST(InterfaceSampling, LobesThatTexturesBringBackAreDrawn) {
-    Principled principled, glassy, metallic;
-    principled.has_spec_trans = glassy.has_spec_trans = true;
+    Principled principled, glassy, metallic, coated;
+    principled.has_spec_trans = glassy.has_spec_trans = coated.has_clearcoat = true;
     glassy[PrincipledScalar::kSpecTrans].texture = {0};
     metallic[PrincipledScalar::kMetallic].texture = {0};
+    coated[PrincipledScalar::kClearcoat].texture = {0};
     const BsdfInputs<double> opaque{0.8, 0.5, 0.3, 0.5}, black{0, 0, 0, 1, 1, 1},
         smooth_metal{0.8, 0.5, 0.3, 0, 0, 1}, smooth_glass{0.8, 0.5, 0.3, 0, 0, 0, 1};
     struct Expected {
@@ -185,11 +186,24 @@ TEST(InterfaceSampling, LobesThatTexturesBringBackAreDrawn) {
          {Expected{principled, glassy, opaque, 170},
           {principled, metallic, smooth_metal, 60},
           {principled, glassy, smooth_glass, 60},
+          {principled, coated, smooth_metal, 60},
           {PrincipledThin{}, textured_sheet(), sheet_inputs(0, 0), 170},
           {plastic(FacetShape::kBeckmann, 0.1f), textured_plastic(), black, 80}}) {
         const Direction wo = wi_of(e.degrees);
         EXPECT_LT(pdf_of({"", e.without, e.inputs, 10}, wo), 1e-5) << e.with.index();
         EXPECT_GT(pdf_of({"", e.with, e.inputs, 10}, wo), 1e-4) << e.with.index();
+    }
+}
+
+/// Whatever a texture holds: a delta lobe that is not drawn would be left out.
+TEST(InterfaceSampling, LobesOfNegativeColorsAreDrawn) {
+    for (const double color : {-0.5, 0.5}) {
+        const BsdfInputs<double> inputs{0.5, 0.5, 0.5, color, color, color};
+        const auto mirrored = drawn_of({"", smooth_plastic(), inputs, 50}, {0.3, 0.6, 1e-4, 0});
+        ASSERT_TRUE(mirrored.delta) << color;
+        EXPECT_GT(mirrored.lobe.pdf, 0.01) << color;
+        EXPECT_LT(mirrored.lobe.pdf, 1) << color;
+        EXPECT_GT(mirrored.lobe.f.x * color, 0);
     }
 }
 

@@ -156,6 +156,23 @@ TEST(Sampling, PrincipledFollowsItsDensity) {
     }
 }
 
+/// As textures may hold values beyond [0, 1], whose lobes have these bounds.
+TEST(Sampling, PrincipledHasProbabilitiesBeyondItsRange) {
+    constexpr std::array kValues{-0.3, 0.0, 0.5, 1.0, 1.3};
+    PrincipledParameters<double> p = material({.min_transmission = 0.05, .min_diffuse = 0.05});
+    p.min_clearcoat = 0.05;
+    for (const double metallic : kValues)
+        for (const double spec_trans : kValues)
+            for (const double clearcoat : kValues)
+                for (const double fresnel : {0.0, 0.04, 1.0}) {
+                    p.metallic = metallic, p.spec_trans = spec_trans, p.clearcoat = clearcoat;
+                    const auto l = principled_lobes(p, true, fresnel);
+                    EXPECT_GE(std::min({l.reflection, l.transmission, l.clearcoat, l.diffuse}), 0)
+                        << metallic << ", " << spec_trans << ", " << clearcoat;
+                    EXPECT_NEAR(l.reflection + l.transmission + l.clearcoat + l.diffuse, 1, 1e-12);
+                }
+}
+
 TEST(Sampling, PrincipledTellsTheIndexOfRefractionOnItsWay) {
     int refracted = 0;
     for (const Case& c : cases())
