@@ -1,6 +1,8 @@
-// Paths that nothing but themselves could end: in a closed room, whatever the integrator's depths.
+// Paths that nothing but themselves could end: in a closed room, whatever the integrator's depths;
+// and paths of negative light.
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <limits>
 
 #include "gradient/binding.h"
@@ -60,6 +62,34 @@ TEST(EndlessPaths, EndWhateverTheDepthOfRussianRoulette) {
 TEST(EndlessPaths, EndWhereTheyAreNotFiniteAndAreCounted) {
     const Ended ended = trace(closed_box({{1e20f, 0, 1e20f}, {}}, 5));
     EXPECT_EQ(ended.rejected_radiance, 256u);
+}
+
+/// What a floor under an even sky sends to each pixel, or that sky itself. All paths may end at
+/// their first point.
+std::vector<Rgbf> light_from_floor(float reflectance) {
+    Scene scene = test::make_small_scene();
+    scene.bsdfs[0] = Diffuse{ColorInput{{reflectance, reflectance, reflectance}, {}}};
+    scene.shapes.resize(1);
+    scene.emitters = {ConstantEmitter{{1, 1, 1}}};
+    scene.max_depth = 5, scene.rr_depth = 1;
+    const TracedScene traced = prepare(scene);
+    const TextureTable textures{scene.textures, {}};
+    const TraceInput input{&traced, &textures, {93, Stream::kTest}, 1, SurfaceChoice::kAll, {}};
+    std::vector<BatchSample> samples(256);
+    for (std::uint32_t i = 0; i < samples.size(); ++i) samples[i].camera = {i, 0, 0};
+    std::vector<Rgbf> radiance(samples.size());
+    trace_radiance(input, samples, radiance);
+    return radiance;
+}
+
+TEST(EndlessPaths, NegativeLightEndsAsOftenAsPositive) {
+    const std::vector<Rgbf> light = light_from_floor(0.5f), negative = light_from_floor(-0.5f);
+    int from_floor = 0;
+    for (std::size_t i = 0; i < light.size(); ++i) {
+        EXPECT_EQ(std::abs(negative[i].x), light[i].x);
+        from_floor += negative[i].x < 0;
+    }
+    EXPECT_GT(from_floor, 50);
 }
 
 }  // namespace
