@@ -293,7 +293,7 @@ NewSceneReport write_new_scene(const NewScene& scene, const fs::path& folder) {
             text.replace(0, unfinished.size(), folder.string());
         report.warnings.push_back(std::move(text));
     }
-    move_into_place(output);
+    move_scene_into_place(output);
     return report;
 }
 

@@ -15,6 +15,7 @@
 #include "cli/progress.h"
 #include "cli/report.h"
 #include "cli/summary.h"
+#include "cli/texture_files.h"
 #include "core/parallel.h"
 #include "image/files.h"
 #include "image/image.h"

@@ -18,9 +18,7 @@
 #include "cli/folder_lock.h"
 #include "cli/history.h"
 #include "cli/interrupt.h"
-#include "cli/texture_files.h"
 #include "image/files.h"
-#include "optimize/views.h"
 
 namespace burnish {
 
@@ -184,16 +182,18 @@ bool is_behind_link(const fs::path& folder, const fs::path& file) {
     return false;
 }
 
-void remove_earlier(const OutputFolder& output, const std::vector<std::string>& kept) {
+/// Removes a file of a folder, and the folders above it where nothing is left in them.
+void remove_file(const fs::path& folder, const fs::path& file) {
     std::error_code ignored;
+    for (fs::path path = file; !path.empty(); path = path.parent_path())
+        fs::remove(folder / path, ignored);
+}
+
+void remove_earlier(const OutputFolder& output, const std::vector<std::string>& kept) {
     for (const std::string& file : output.earlier_files)
         if (std::find(kept.begin(), kept.end(), file) == kept.end() &&
-            *fs::path(file).begin() != kCheckpoints && !is_behind_link(output.folder, file)) {
-            fs::remove(output.folder / file, ignored);
-            for (fs::path folder = fs::path(file).parent_path(); !folder.empty();
-                 folder = folder.parent_path())
-                fs::remove(output.folder / folder, ignored);  // where nothing is left in it
-        }
+            *fs::path(file).begin() != kCheckpoints && !is_behind_link(output.folder, file))
+            remove_file(output.folder, file);
 }
 
 }  // namespace
@@ -327,11 +327,18 @@ void move_into_place(OutputFolder& output) {
     remove_earlier(output, files);
 }
 
-std::vector<std::string> folder_names(const std::vector<View>& views) {
-    std::vector<std::string> names;
-    for (std::size_t i = 0; i < views.size(); ++i)
-        names.push_back(file_name_of(name_of(views[i], i)));
-    return unique_names(std::move(names));
+void move_scene_into_place(OutputFolder& output) {
+    const WholeStep whole;
+    std::vector<std::string> added = unfinished_files(output);
+    std::erase_if(added, [&](const std::string& file) {
+        return fs::exists(fs::symlink_status(output.folder / file));
+    });
+    try {
+        move_into_place(output);
+    } catch (...) {
+        for (const std::string& file : added) remove_file(output.folder, file);
+        throw;
+    }
 }
 
 }  // namespace burnish

@@ -9,7 +9,6 @@
 #include <vector>
 
 #include "burnish/input.h"
-#include "burnish/solve.h"
 #include "cli/interrupt.h"
 
 namespace burnish {
@@ -68,8 +67,8 @@ std::vector<std::string> unfinished_files(const OutputFolder& output);
 /// only the earlier run had, none of them through a link. They lie on the disk then. Throws
 /// OutputError.
 void move_into_place(OutputFolder& output);
-
-/// A name of its own for the folder of each view.
-std::vector<std::string> folder_names(const std::vector<View>& views);
+/// The same of a scene: where one of its files cannot be moved, those that were not there before
+/// are removed.
+void move_scene_into_place(OutputFolder& output);
 
 }  // namespace burnish

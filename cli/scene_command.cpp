@@ -29,7 +29,7 @@ void write_built_in(const WriteOptions& options) {
     OutputFolder output = open_output_folder(options.output, Found::kAllowed);
     output.earlier_files.clear();  // nothing is replaced as a whole
     write_procedural_scene(options.name, output.unfinished, options.scene);
-    move_into_place(output);
+    move_scene_into_place(output);
     log_info(options.output + "/scene.xml: the scene '" + options.name + "'");
 }
 

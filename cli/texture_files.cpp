@@ -9,6 +9,7 @@
 #include "image/texels.h"
 #include "image/whole.h"
 #include "optimize/option_value.h"
+#include "optimize/views.h"
 
 namespace burnish {
 
@@ -55,6 +56,13 @@ std::vector<std::string> unique_names(std::vector<std::string> names) {
         for (int n = 2; !taken.insert(name).second; ++n) name = fmt::format("{}_{}", plain, n);
     }
     return names;
+}
+
+std::vector<std::string> folder_names(const std::vector<View>& views) {
+    std::vector<std::string> names;
+    for (std::size_t i = 0; i < views.size(); ++i)
+        names.push_back(file_name_of(name_of(views[i], i)));
+    return unique_names(std::move(names));
 }
 
 }  // namespace burnish

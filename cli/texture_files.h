@@ -1,4 +1,4 @@
-// Images that a command is given: texture values, radiance.
+// Images that a command is given: texture values, radiance; names of files and folders.
 #pragma once
 
 #include <filesystem>
@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "burnish/photograph.h"
+#include "burnish/solve.h"
 #include "image/image.h"
 #include "scene/scene.h"
 
@@ -29,5 +30,8 @@ std::string file_name_of(const std::string& given);
 /// Each that an earlier one has gets the first of the endings _2, _3 and so on that none before it
 /// has.
 std::vector<std::string> unique_names(std::vector<std::string> names);
+
+/// A name of its own for the folder of each view.
+std::vector<std::string> folder_names(const std::vector<View>& views);
 
 }  // namespace burnish

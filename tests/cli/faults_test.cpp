@@ -96,6 +96,34 @@ TEST_F(Faults, ASceneLeavesResultsInItsFolder) {
         EXPECT_TRUE(after.contains(name) && after.at(name) == bytes) << name;
 }
 
+/// A disk of 1 MiB that this script alone sees, of which nothing is free when the commands begin.
+constexpr const char* kFullDisk = R"sh(set -e
+mount -t tmpfs -o size=1m disk disk
+"$1" render scene.xml --spp 1 -o disk/image.exr
+"$1" $2 -o disk/out
+cp -r disk before
+cat /dev/zero >disk/rest 2>rest.err || true
+for command in 'render scene.xml --spp 1 --seed 1 -o disk/image.exr' "$2 --seed 1 -o disk/out" \
+    'scene goblet --texture-size 16 -o disk/scene'; do
+    code=0
+    "$1" $command 2>said || code=$?
+    echo "$code $(grep -c 'No space left on device' said)"
+done
+rm disk/rest
+diff -r before disk
+)sh";
+
+TEST_F(Faults, AFullDiskKeepsWhatItHolds) {
+    fs::create_directory(folder / "disk");
+    if (shell("unshare -rm mount -t tmpfs disk disk").code != 0)
+        GTEST_SKIP() << "the system lets this user mount no disk: " << read_text(folder / ".err");
+    write_text(folder / "full.sh", kFullDisk);
+    const Outcome outcome =
+        shell(fmt::format("unshare -rm sh full.sh '" BURNISH_BINARY "' '{}'", kShortRun));
+    EXPECT_EQ(outcome.code, 0) << outcome.err;
+    EXPECT_EQ(outcome.out, "73 1\n73 1\n73 1\n");
+}
+
 #ifdef BURNISH_FAULT_SHIM
 
 /// Files that depend on times are whole.
@@ -134,7 +162,9 @@ using Results = std::map<std::string, std::string>;
 void expect_old_or_new(const Results& found, const Results& earlier, const Results& newer,
                        const std::string& what) {
     for (const auto& [name, bytes] : found) {
-        if (name.starts_with("checkpoints") || name.starts_with(".burnish-unfinished")) continue;
+        if (name.starts_with("checkpoints") || name.starts_with(".burnish-unfinished") ||
+            is_temporary(name))
+            continue;
         const bool is_old = earlier.contains(name) && earlier.at(name) == bytes;
         const bool is_new = newer.contains(name) && newer.at(name) == bytes;
         EXPECT_TRUE(is_timed(name) ? is_whole(name, bytes) : is_old || is_new)
@@ -150,50 +180,149 @@ void expect_new(Results found, const Results& newer, const std::string& what) {
     }
 }
 
-/// Earlier results are replaced by those of another seed, with a fault in each place in turn.
-/// BURNISH_FAULTS=1: in each one, otherwise in some.
-TEST_F(Injected, EveryWriteMayFail) {
-    const std::string old = fmt::format("{} -o {}/out ", kShortRun, folder.string());
-    const std::string command = old + "--seed 1";
-    const std::string resume = fmt::format("optimize --resume {}/out", folder.string());
-    ASSERT_EQ(run(command).code, 0);
-    const Results newer = results();
-    fs::remove_all(folder / "out");
-    ASSERT_EQ(run(old).code, 0);
-    const Results earlier = results();
-    const bool all = std::getenv("BURNISH_FAULTS") != nullptr;
-    for (const Fault& kind : {Fault{1, ENOSPC, true}, Fault{1, ENOSPC, false}, Fault{1, EIO, true},
-                              Fault{1, EIO, false}, Fault{1, kKill, false}, Fault{1, EDQUOT, false},
-                              Fault{1, 0, false}}) {
-        bool fired = true;
-        Fault fault = kind;
-        for (; fired; fault.number += all ? 1 : 31 + std::abs(kind.error) % 7) {
-            const Outcome outcome = run_with(fault, command, fired);
-            const std::string what =
-                fmt::format("call {}, error {}{}: {}", fault.number, fault.error,
-                            fault.always ? " from there on" : "", outcome.err);
-            const bool killed = fired && fault.error == kKill;
-            ASSERT_TRUE(killed ? outcome.code == -1 || outcome.code == 128 + SIGKILL
-                               : outcome.code == 0 || outcome.code == 73)
-                << outcome.code << what;
-            expect_old_or_new(results(), earlier, newer, what);
-            // Once there is room again, the run goes on, or begins anew.
-            if (outcome.code != 0) {
-                EXPECT_TRUE(fired && (killed || contains(outcome.err, "burnish: "))) << what;
-                const bool kept = has_checkpoint();
-                EXPECT_EQ(killed ? kept : contains(outcome.err, "--resume"), kept) << what;
-                EXPECT_EQ(run(kept ? resume : command).code, 0)
-                    << read_text(folder / ".err") << what;
-            }
-            expect_new(results(), newer, what);
-            fs::remove_all(folder / "out");
-            for (const auto& [name, bytes] : earlier) {
-                fs::create_directories((folder / "out" / name).parent_path());
-                write_text(folder / "out" / name, bytes);
-            }
-        }
-        EXPECT_GT(fault.number, 60) << "it counts the calls";
+/// A command that writes into the folder "out" what an earlier one has written otherwise.
+struct Replacement {
+    std::string command, earlier;  ///< arguments; no earlier one: the folder is empty
+    std::string goes_on = {};      ///< what follows where a checkpoint is kept
+    int calls = 0;                 ///< that write, at least
+    int stride = 1;                ///< one of so many fails, roughly; BURNISH_FAULTS=1: each
+};
+
+/// Where no process was killed: no file that is not whole, no empty folder.
+void expect_no_remains(const fs::path& out, const std::string& what) {
+    for (const auto& entry : fs::recursive_directory_iterator(out)) {
+        EXPECT_FALSE(is_temporary(entry.path())) << entry.path() << ", " << what;
+        EXPECT_FALSE(entry.is_directory() && fs::is_empty(entry.path()))
+            << entry.path() << ", " << what;
     }
+    EXPECT_FALSE(fs::exists(out / ".burnish-unfinished")) << what;
+}
+
+/// The call that fails after another one.
+int next_call(const Fault& fault, int stride) {
+    const bool all = stride == 1 || std::getenv("BURNISH_FAULTS") != nullptr;
+    return fault.number + (all ? 1 : stride + std::abs(fault.error) % 7);
+}
+
+/// A fault in each place in turn: each file that was there is whole, as it was or as the command
+/// makes it; what was not there comes as a whole. Once there is room again, it goes on or begins
+/// anew.
+class EveryWrite : public Injected {
+  protected:
+    void put(const Results& files) const {
+        fs::remove_all(folder / "out");
+        fs::create_directory(folder / "out");
+        for (const auto& [name, bytes] : files) {
+            fs::create_directories((folder / "out" / name).parent_path());
+            write_text(folder / "out" / name, bytes);
+        }
+    }
+    Results results_of(const std::string& arguments) const {
+        put({});
+        if (arguments.empty()) return {};
+        EXPECT_EQ(run(arguments).code, 0) << arguments << ": " << read_text(folder / ".err");
+        return results();
+    }
+    void expect_failed(const Replacement& r, const Outcome& outcome, bool killed,
+                       const Results& earlier, const std::string& what) const {
+        EXPECT_TRUE(killed || contains(outcome.err, "burnish: ")) << what;
+        const bool kept = has_checkpoint();
+        EXPECT_EQ(killed ? kept : contains(outcome.err, "--resume"), kept) << what;
+        const bool is_new = earlier.empty();
+        EXPECT_TRUE(!is_new || killed || results().empty()) << what;
+        if (is_new && killed) return put({});  // whose user removes what it left
+        EXPECT_EQ(run(kept ? r.goes_on : r.command).code, 0) << read_text(folder / ".err") << what;
+    }
+    void may_fail(const Replacement& r) const {
+        const Results newer = results_of(r.command), earlier = results_of(r.earlier);
+        for (const Fault& kind : {Fault{1, ENOSPC, true}, Fault{1, ENOSPC, false},
+                                  Fault{1, EIO, true}, Fault{1, EIO, false}, Fault{1, kKill, false},
+                                  Fault{1, EDQUOT, false}, Fault{1, 0, false}}) {
+            bool fired = true;
+            Fault fault = kind;
+            for (; fired; fault.number = next_call(fault, r.stride)) {
+                put(earlier);
+                const Outcome outcome = run_with(fault, r.command, fired);
+                const std::string what =
+                    fmt::format("{}: call {}, error {}{}: {}", r.command, fault.number, fault.error,
+                                fault.always ? " from there on" : "", outcome.err);
+                const bool killed = fired && fault.error == kKill;
+                ASSERT_TRUE(killed ? outcome.code == -1 || outcome.code == 128 + SIGKILL
+                                   : outcome.code == 0 || outcome.code == 73)
+                    << outcome.code << what;
+                EXPECT_TRUE(fired || outcome.code == 0) << what;
+                expect_old_or_new(results(), earlier, newer, what);
+                if (!killed) expect_no_remains(folder / "out", what);
+                if (outcome.code != 0) expect_failed(r, outcome, killed, earlier, what);
+                if (!killed || !earlier.empty()) expect_new(results(), newer, what);
+            }
+            EXPECT_GT(fault.number, r.calls) << "it counts the calls";
+        }
+    }
+    std::string into_out(const std::string& arguments) const {
+        return fmt::format("{} -o {}/out", arguments, folder.string());
+    }
+};
+
+TEST_F(EveryWrite, OfARunMayFail) {
+    const std::string earlier = into_out(kShortRun);
+    may_fail({.command = earlier + " --seed 1",
+              .earlier = earlier,
+              .goes_on = fmt::format("optimize --resume {}/out", folder.string()),
+              .calls = 60,
+              .stride = 31});
+}
+
+TEST_F(EveryWrite, OfTwoRunsMayFail) {
+    const std::string earlier = into_out(kShortRun) + " --compare mc";
+    may_fail({.command = earlier + " --seed 1",
+              .earlier = earlier,
+              .goes_on = fmt::format("optimize --resume {}/out", folder.string()),
+              .calls = 60,
+              .stride = 41});
+}
+
+TEST_F(EveryWrite, OfABatchMayFail) {
+    for (const int seed : {0, 1})
+        write_text(folder / fmt::format("seed{}.json", seed),
+                   fmt::format(R"({{"jobs": [{{"output": "{}/out", "arguments": ["scene.xml",
+                       "--parameter", "base_color", "--spp", "2", "--target-spp", "4",
+                       "--evaluation-spp", "4", "--iterations", "3", "--seed", "{}",
+                       "--checkpoint-every", "0.001"]}}]}})",
+                               folder.string(), seed));
+    may_fail({.command = "batch seed1.json",
+              .earlier = "batch seed0.json",
+              .goes_on = "batch seed1.json",
+              .calls = 60,
+              .stride = 41});
+}
+
+TEST_F(EveryWrite, OfAnImageMayFail) {
+    ASSERT_EQ(run("render scene.xml --spp 1 -o adjoint.exr").code, 0);
+    for (const std::string command :
+         {"render scene.xml --spp 1",
+          "gradient scene.xml --spp 1 --parameter base_color --adjoint adjoint.exr"}) {
+        const std::string earlier = into_out(command) + "/image.exr";
+        may_fail({.command = earlier + " --seed 1", .earlier = earlier, .calls = 5});
+        may_fail({.command = earlier, .earlier = {}, .calls = 5});
+    }
+}
+
+TEST_F(EveryWrite, OfASceneMayFail) {
+    const std::string earlier = into_out("scene goblet --texture-size 16");
+    may_fail({.command = earlier + " --seed 1", .earlier = earlier, .calls = 50, .stride = 29});
+    may_fail({.command = earlier, .earlier = {}, .calls = 50, .stride = 17});
+}
+
+TEST_F(EveryWrite, OfAMeshsSceneMayFail) {
+    write_text(folder / "mesh.obj",
+               "v 0 0 1\nv 2 0 1\nv 2 1 1\nv 0 1 1\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\n"
+               "f 1/1 2/2 3/3\nf 1/1 3/3 4/4\n");
+    write_image(folder / "sky.exr", make_image(8, 4, 3, 1));
+    may_fail({.command = into_out("new --mesh mesh.obj --environment sky.exr --texture-size 4"),
+              .earlier = {},
+              .calls = 30,
+              .stride = 5});
 }
 
 std::string short_run(int iterations) {
