@@ -601,7 +601,7 @@ inline constexpr LedgerEntry kIterations{
         "a gradient of a whole iteration that is not the slope of the loss between converged "
         "images: any estimator, any kind of unknown, background, history, noise of the image",
     .alpha = 1e-7,
-    .comparisons = 11,
+    .comparisons = 15,
     .seed = 70000,
     .thorough = 2,
     .tests = "Iteration.GradientIsTheSlopeOfTheLoss",

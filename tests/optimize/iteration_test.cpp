@@ -172,6 +172,10 @@ std::vector<Case> cases() {
             {"pgris, replay", reservoirs(true, true, replay, false)},
             {"pgris, identity", reservoirs(true, true, identity, true)},
             {"mc, kept image", keeping_image(MonteCarlo{4, 1, false})},
+            {"ris, kept image", keeping_image(reservoirs(false, false, replay, false))},
+            {"pris, kept image", keeping_image(reservoirs(true, false, replay, true))},
+            {"gris, kept image", keeping_image(reservoirs(false, true, replay, true))},
+            {"pgris, replay, kept image", keeping_image(reservoirs(true, true, replay, false))},
             {"pgris, kept image", keeping_image(reservoirs(true, true, identity, false))},
             {"path cache, sobol", cache(Sequence::kSobol, 2)},
             {"path cache, independent", cache(Sequence::kIndependent, 32)}};
