@@ -656,6 +656,17 @@ inline constexpr LedgerEntry kSummaryLosses{
     .defects = {{{"loss of a noisy image", "Summary.LossesHoldNoNoiseOnAverage"},
                  {"half the noise floor", "Summary.LossesHoldNoNoiseOnAverage"}}}};
 
+inline constexpr LedgerEntry kGateAtTruth{
+    .name = "optimize/gate: at the truth",
+    .catches =
+        "halves of a path cache that depend on each other, whose gate takes noise for signal",
+    .alpha = 1e-7,
+    .comparisons = 2,
+    .seed = 79000,
+    .thorough = 2,
+    .tests = "GateAtTheTruth.IsShutForHalfOfTheTexels",
+    .defects = {{{"halves weighed by one image", "GateAtTheTruth.IsShutForHalfOfTheTexels"}}}};
+
 inline constexpr LedgerEntry kBaselineGradients{
     .name = "gradient/gradients: baseline",
     .catches = "a wrong derivative of any parameter, any texel",
@@ -803,6 +814,7 @@ inline constexpr const LedgerEntry* kLedger[] = {
     &ledger::kFittedExposures,
     &ledger::kReweighted,
     &ledger::kSummaryLosses,
+    &ledger::kGateAtTruth,
     &ledger::kBaselineGradients,
     &ledger::kPgrisGradients,
     &ledger::kPublishedGradients,
