@@ -44,6 +44,8 @@ std::unique_ptr<Solver::Impl> make_run(Setup setup, State::Values state, SearchR
     const Ranks& ranks = setup.problem.ranks;
     for (PyramidState& p : state.pyramids) keep_part(p, ranks.rank, ranks.count);
     Workspace workspace = make_workspace(setup, state);
+    if (!workspace.keeps_records)  // a state under another limit may have some
+        for (ViewState& view : state.views) keep_window(0, kept_cache(view.estimator));
     return std::make_unique<Solver::Impl>(
         Solver::Impl{std::move(setup), std::move(state), std::move(workspace), std::move(search)});
 }

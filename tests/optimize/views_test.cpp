@@ -9,6 +9,7 @@
 #include <numbers>
 #include <set>
 #include <stdexcept>
+#include <utility>
 
 #include "burnish/error.h"
 #include "core/parallel.h"
@@ -258,6 +259,14 @@ std::size_t kept_passes(const Solver& solver) {
     return passes;
 }
 
+std::size_t bytes_per_pass(const Problem& problem, const PathCache& cache) {
+    const burnish::Setup setup = make_setup(problem, {});
+    std::vector<TracedScene> views;
+    for (const std::size_t v : setup.fitted) views.push_back(scene_of(setup, v));
+    const Theta theta = initial_theta(setup);
+    return max_bytes_per_pass(plan_caches(cache, views, reaching_pixels(views, theta), theta));
+}
+
 TEST(Views, ShareTheMemoryOfThePathCache) {
     const Problem problem = problem_with_views();
     PathCache cache{.samples = 4, .window = 6};
@@ -271,12 +280,7 @@ TEST(Views, ShareTheMemoryOfThePathCache) {
         EXPECT_GT(solver.texture(0).width, 0);
         return kept_passes(solver);
     };
-    const burnish::Setup setup = make_setup(problem, {});
-    std::vector<TracedScene> views;
-    for (const std::size_t v : setup.fitted) views.push_back(scene_of(setup, v));
-    const Theta theta = initial_theta(setup);
-    const std::size_t pass =
-        max_bytes_per_pass(plan_caches(cache, views, reaching_pixels(views, theta), theta));
+    const std::size_t pass = bytes_per_pass(problem, cache);
     EXPECT_EQ(passes_with(0), 3u * 2 * 6);
     EXPECT_LT(passes_with(3 * 2 * 3 * pass), 3u * 2 * 6);
     EXPECT_GE(passes_with(3 * 2 * 3 * pass), 3u * 2 * 3);
@@ -284,6 +288,34 @@ TEST(Views, ShareTheMemoryOfThePathCache) {
     EXPECT_THROW(passes_with(2 * pass - 1), ResourceError);
     cache.samples = 1;
     EXPECT_EQ(passes_with(3 * 2 * pass - 1), 0u) << "a pass in each half all the same";
+}
+
+/// Under a limit that leaves no room for them, and where an iteration is given up.
+TEST(Views, RecordsOfAStateThatCannotBeKeptAreLeftOut) {
+    Problem problem = problem_with_views();
+    int calls = 0, broken = 0;
+    problem.loss = [&](const Image& image, std::size_t view) {
+        if (++calls == broken) throw std::runtime_error("the loss is broken");
+        return evaluate_loss(Loss::kL2, image, problem.views[view].image, {});
+    };
+    PathCache cache{.samples = 4, .window = 6};
+    Options options;
+    options.estimator = cache, options.batch = 3;
+    Solver whole(problem, options);
+    whole.step();
+    const State with_records = whole.state();
+    ASSERT_GT(kept_passes(whole), 0u);
+    cache.max_bytes = 3 * 2 * bytes_per_pass(problem, cache) - 1;
+    options.estimator = cache;
+    Solver solver(problem, options, with_records), same(problem, options, with_records);
+    const State before = solver.state();
+    EXPECT_EQ(kept_passes(solver), 0u);
+    broken = std::exchange(calls, 0);  // in the last visit
+    EXPECT_THROW(solver.step(), std::runtime_error);
+    EXPECT_TRUE(solver.state() == before);
+    broken = 0;
+    solver.step(), same.step();
+    EXPECT_TRUE(solver.state() == same.state());
 }
 
 TEST(Views, AreEvaluatedEachOnItsOwn) {
