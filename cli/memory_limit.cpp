@@ -35,6 +35,18 @@ Theta initial_theta(const RunResult& run) {
     return theta;
 }
 
+/// Of a run, while another one follows: what it started from and what it found, images of each view
+/// and maps of each texture.
+double bytes_of_results(const RunViews& views, const Theta& theta) {
+    constexpr double kImages = 2, kMaps = 4;  // coverage, confidence, visited, sensitivity
+    double floats = 0;
+    for (const auto& some : {views.fitted, views.held_out})
+        for (const TracedScene& view : some) floats += kImages * 3 * pixels_of(view.film);
+    for (const auto& [texture, texels] : theta.textures)
+        floats += (texels.channels + kMaps) * double{1} * texels.width * texels.height;
+    return floats * sizeof(float);
+}
+
 /// What the windows that were asked for take at most: a limit above it decides nothing.
 std::size_t bytes_of_windows(const PathCache& cache, std::span<const PathCachePlan> plans) {
     return std::max<std::size_t>(1, 2 * plans.size() * cache.window * max_bytes_per_pass(plans));
@@ -201,6 +213,7 @@ void plan_memory(RunViews views, RunResult& run) {
     };
     run.memory = plan(run.settings.options);
     if (!run.settings.compared) return;
+    views.results = bytes_of_results(views, theta);
     const MemoryEstimate other = plan(*run.settings.compared);
     const double larger = std::max(maximum(run.memory), maximum(other));
     if (expected(other) > expected(run.memory)) run.memory = other;

@@ -305,7 +305,7 @@ MemoryEstimate estimate_memory(const Estimator& estimator, const RunViews& views
         backgrounds =
             std::max(backgrounds, kFilmsOfBackgrounds * pixels_of(view.film) * sizeof(Rgbf));
     }
-    estimate.images += visit_images + static_cast<double>(visited) * backgrounds;
+    estimate.images += views.results + visit_images + static_cast<double>(visited) * backgrounds;
     estimate.samples += visit_samples + static_cast<double>(visited) * replaced;
     if (plans.empty()) return estimate;
     const ViewShare share = share_memory(estimator, plans);

@@ -19,7 +19,7 @@ namespace burnish {
 struct MemoryEstimate {
     double scene = 0;        ///< the program, geometry, ray structures, textures, sky
     double textures = 0;     ///< the unknowns, with the optimiser's state and gradients
-    double images = 0;       ///< all of the film's size
+    double images = 0;       ///< all of the film's size, and the results of a run before
     double samples = 0;      ///< fresh samples of an iteration, of path caches too, and reservoirs
     double records = 0;      ///< of kept path caches, as many as a trial of their pixels promises
     double max_records = 0;  ///< of a path cache, if both samples of every camera sample carried
@@ -55,6 +55,7 @@ struct RunViews {
     std::span<const TracedScene> fitted, held_out;
     /// reaching_pixels of those that are fitted: all of them where memory is estimated.
     std::span<const std::vector<char>> reaching = {};
+    double results = 0;  ///< bytes of the results of a run before, which stay
 };
 
 /// plans: of plan_caches. seed: of the trial of a path cache. batch: views that an iteration
