@@ -185,17 +185,18 @@ std::size_t plan_pictures(const Scene& scene, RunResult& run) {
     std::vector<double> reading;
     double kept = 0;
     for (const PictureBytes& bytes : pictures) reading.push_back(bytes.reading), kept += bytes.kept;
-    const double limit = memory_limit(run), others = scene_memory(scene) + kept;
+    const double limit = memory_limit(run), others = scene_memory(scene) + kept + run.state_bytes;
     const auto largest = std::ranges::max_element(reading);
     const CapturedView& view = run.sources[static_cast<std::size_t>(largest - reading.begin())];
     if (settings.max_memory && *largest > 0 && others + *largest > limit)
-        throw ResourceError(
-            fmt::format("{}: reading it takes up to {}, the scene and what is kept of all pictures "
-                        "{}: expected {} or more, a lower --scale or smaller pictures, found {}",
-                        view.image.empty() ? view.mask : view.image, bytes_text(*largest),
-                        bytes_text(others), limit_text(others + *largest), bytes_text(limit)));
+        throw ResourceError(fmt::format(
+            "{}: reading it takes up to {}, the scene{} and what is kept of all pictures "
+            "{}: expected {} or more, a lower --scale or smaller pictures, found {}",
+            view.image.empty() ? view.mask : view.image, bytes_text(*largest),
+            run.goes_on ? ", the state of the run" : "", bytes_text(others),
+            limit_text(others + *largest), bytes_text(limit)));
     const AtOnce fit = fitting(reading, limit - others, threads_of(settings.threads));
-    run.memory.pictures = kept + fit.bytes;
+    run.memory.pictures = kept + run.state_bytes + fit.bytes;
     return fit.count;
 }
 

@@ -13,9 +13,9 @@ BeforeReading limit_of_files(const RunSettings& settings);
 /// The same before what rays need is built of the scene.
 void require_scene_memory(const Scene& scene, const RunSettings& settings);
 
-/// How many pictures of the run's views may be read at once beside the scene; what they take, those
-/// that were read before included, goes into run.memory. Throws ResourceError where --max-memory is
-/// too low for one of them.
+/// How many pictures of the run's views may be read at once beside the scene and a state that the
+/// run goes on from; what all but the scene take goes into run.memory. Throws ResourceError where
+/// --max-memory is too low for one of them.
 std::size_t plan_pictures(const Scene& scene, RunResult& run);
 
 /// Estimates the memory of the runs on these views, whose `reaching` is found here, into

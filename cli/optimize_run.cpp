@@ -258,6 +258,9 @@ void run_to_the_end(const Task& task, OutputFolder& output, std::optional<Checkp
     run.settings = settings, run.asked = task.asked;
     run.ranks = metered(task.ranks, run.traffic);
     run.goes_on = from.has_value();
+    std::error_code gone;
+    if (from) run.state_bytes = static_cast<double>(std::filesystem::file_size(from->file, gone));
+    if (gone) run.state_bytes = 0;
     Phases phases(run);
     const Renderer renderer = read_run(output, phases, run);
     Problem problem = make_problem(renderer, run);

@@ -24,7 +24,8 @@ struct MemoryEstimate {
     double records = 0;      ///< of kept path caches, as many as a trial of their pixels promises
     double max_records = 0;  ///< of a path cache, if both samples of every camera sample carried
                              ///< light
-    double pictures = 0;  ///< beside the scene, before all else: while files of pictures are read
+    double pictures = 0;  ///< beside the scene while files of pictures are read: they, and a state
+                          ///< that the run goes on from
 };
 
 /// All but the records.

@@ -2,9 +2,12 @@
 #include <fmt/format.h>
 
 #include <array>
+#include <csignal>
+#include <cstring>
 #include <nlohmann/json.hpp>
 
 #include "cli/program.h"
+#include "optimize/checkpoint.h"
 
 namespace burnish {
 namespace {
@@ -103,6 +106,28 @@ TEST_F(MemoryLimit, PicturesThatAreReadAtOnceFitTheLimitAtTheirFullSize) {
         EXPECT_LE(summary["peak_memory_bytes"], summary["memory_estimate_bytes"]["maximum"]);
         EXPECT_LE(summary["memory_estimate_bytes"]["maximum"].get<double>(), limit * 0x1p30);
     }
+}
+
+/// The state that a run goes on from is there before its pictures are.
+TEST_F(MemoryLimit, PicturesAreReadBesideTheStateOfARunThatGoesOn) {
+    write_scene();
+    write_image(folder / "a.png", make_image(1200, 1200, 3, 0.5f));
+    write_text(folder / "capture.json", R"({"version": 1, "scene": "scene.xml", "views": [
+        {"name": "a", "image": "a.png", "camera": {"sensor": 0}}]})");
+    const std::string command =
+        "optimize capture.json --parameter base_color --init 0.5 --scale 0.08 --spp 32 "
+        "--iterations 10000000 --checkpoint-every 0.001 --threads 2 ";
+    const auto enough = [&](const std::string& begin) {
+        const Outcome refused =
+            expect_refused(begin + " --max-memory 0.06", 77, "a.png: reading it takes up to ");
+        return std::stod(named_limit(refused.err).substr(std::strlen("--max-memory ")));
+    };
+    const double fresh = enough(command + "-o other");
+    const fs::path kept = folder / "out/checkpoints";
+    stop_once([&] { return !checkpoints_in(kept).empty(); }, command + "-o out", "out", SIGTERM);
+    const auto state = static_cast<double>(fs::file_size(checkpoints_in(kept).back()));
+    ASSERT_GT(state, 0.004 * 0x1p30);
+    EXPECT_NEAR(enough("optimize --resume out"), fresh + state / 0x1p30, 0.002);
 }
 
 /// Where a texture repeats, each band of the film adds up all of its texels.
