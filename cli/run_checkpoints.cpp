@@ -14,7 +14,6 @@
 #include "cli/history.h"
 #include "cli/interrupt.h"
 #include "cli/options_file.h"
-#include "core/version.h"
 #include "image/files.h"
 #include "optimize/checkpoint.h"
 #include "optimize/ranks.h"
@@ -61,15 +60,6 @@ void require_files(const Checkpoint& checkpoint) {
                                  checkpoint.file, began_in, fmt::join(changed, "; ")));
 }
 
-/// What is wrong with newer ones, and whether another program wrote it.
-void warn_of(const Checkpoint& checkpoint, const char* run) {
-    for (const std::string& damaged : checkpoint.damaged)
-        log_warning(damaged + ": the one before it is taken");
-    if (checkpoint.program != version_text())
-        log_warning(fmt::format("{} began with {}: with {} the bytes may be others", run,
-                                checkpoint.program, version_text()));
-}
-
 }  // namespace
 
 void require_checkpoint(const std::string& folder) {
@@ -82,7 +72,7 @@ void require_checkpoint(const std::string& folder) {
 
 Checkpoint load_run(const OutputFolder& output, const Ranks& ranks) {
     Checkpoint checkpoint = load_checkpoint(output.checkpoints.string(), ranks);
-    warn_of(checkpoint, "the run");
+    for (const std::string& text : warnings_of(checkpoint, "the run")) log_warning(text);
     require_files(checkpoint);
     log_info(fmt::format("going on after {}, {}",
                          count_text(checkpoint.run.counts.iterations, "iteration"),
@@ -106,7 +96,7 @@ std::optional<Checkpoint> load_second_run(const std::string& folder, const Ranks
         return {};
     }
     if (!checkpoint) throw InputError(damaged);
-    warn_of(*checkpoint, "the second run");
+    for (const std::string& text : warnings_of(*checkpoint, "the second run")) log_warning(text);
     return checkpoint;
 }
 

@@ -82,7 +82,7 @@ std::optional<bool> as_bool(nb::handle value);
 /// A View, a picture, or a list of these.
 std::vector<View> to_views(nb::handle views);
 
-/// An object of Python that is called from any thread, and let go with the GIL.
+/// An object of Python that work on any thread calls or looks at, let go with the GIL.
 class Function {
   public:
     explicit Function(nb::object object) : object_(std::move(object)) {}
@@ -96,6 +96,11 @@ class Function {
   private:
     nb::object object_;
 };
+
+/// Keeps what a state of Python lies in while work looks at it; null: there is none.
+inline std::shared_ptr<Function> owner_of(const State* state) {
+    return state ? std::make_shared<Function>(nb::find(*state)) : nullptr;
+}
 
 /// What a problem calls.
 struct Functions {

@@ -1,5 +1,4 @@
 // The loop over a solver.
-#include <nanobind/stl/optional.h>
 #include <nanobind/stl/string.h>
 
 #include <chrono>
@@ -12,6 +11,7 @@
 #include "burnish/error.h"
 #include "image/files.h"
 #include "optimize/checkpoint.h"
+#include "optimize/ranks.h"
 #include "optimize/setup.h"
 #include "python/arrays.h"
 #include "python/bindings.h"
@@ -89,10 +89,10 @@ class FolderClaim {
 };
 
 /// Goes on from the newest checkpoint of the folder where there is one. Once nobody waits the run
-/// is written and ends.
+/// is written and ends. warnings: of the checkpoint.
 Summary solve_with_checkpoints(Problem problem, const Options& options, const std::string& folder,
                                const Callback& callback, const StageProgress& progress,
-                               const Flag& is_abandoned) {
+                               const Flag& is_abandoned, std::vector<std::string>& warnings) {
     const FolderClaim claim(folder, is_abandoned);
     Checkpoints checkpoints;
     checkpoints.folder = folder;
@@ -100,6 +100,7 @@ Summary solve_with_checkpoints(Problem problem, const Options& options, const st
     if (checkpoints_in(folder).empty())
         return solve(std::move(problem), options, checkpoints, callback, progress);
     Checkpoint from = load_checkpoint(folder, problem.ranks);
+    if (is_first(problem.ranks)) warnings = warnings_of(from, "the run");
     return solve(std::move(problem), options, std::move(from), checkpoints, callback, progress);
 }
 
@@ -131,9 +132,8 @@ class Bar {
     nb::object bar_;
 };
 
-PythonSummary run(const PythonProblem& problem, const std::optional<State>& state,
-                  nb::handle callback, nb::handle progress, nb::handle checkpoints,
-                  const nb::kwargs& given) {
+PythonSummary run(const PythonProblem& problem, const State* state, nb::handle callback,
+                  nb::handle progress, nb::handle checkpoints, const nb::kwargs& given) {
     const Options options = options_of(given, "solve", problem);
     std::optional<Bar> bar;
     if (progress.ptr() == Py_True) bar.emplace(options, state ? state->values().iteration : 0);
@@ -145,27 +145,31 @@ PythonSummary run(const PythonProblem& problem, const std::optional<State>& stat
     if (!checkpoints.is_none()) folder = to_path(checkpoints);
     if (state && folder)
         throw InputError("solve: found a state and a folder of checkpoints, expected one of them");
-    Summary summary = compute([problem = PythonProblem(problem), options, state = state, hear, tell,
-                               count, folder](const Flag& is_abandoned) mutable {
-        const Callback after = [&](const Iteration& i, const Solver& solver) {
-            if (folder && is_over(is_abandoned)) return Suspend;
-            check_abandoned(is_abandoned);
-            if (count) call_callback(*count, i, solver);
-            return hear ? call_callback(*hear, i, solver) : Continue;
-        };
-        const StageProgress stages = [&](const char* stage, double share) {
-            check_abandoned(is_abandoned);
-            if (tell) call_progress(*tell, stage, share);
-        };
-        // With checkpoints they go on: the run stops as a whole, and is written.
-        Problem own = with_functions(std::move(problem), folder ? nullptr : is_abandoned);
-        if (folder)
-            return solve_with_checkpoints(std::move(own), options, *folder, after, stages,
-                                          is_abandoned);
-        return state ? solve(std::move(own), options, *state, after, stages)
-                     : solve(std::move(own), options, after, stages);
-    });
+    const auto warnings = std::make_shared<std::vector<std::string>>();
+    Summary summary =
+        compute([problem = PythonProblem(problem), options, state, owner = owner_of(state), hear,
+                 tell, count, folder, warnings](const Flag& is_abandoned) mutable {
+            const Callback after = [&](const Iteration& i, const Solver& solver) {
+                if (folder && is_over(is_abandoned)) return Suspend;
+                check_abandoned(is_abandoned);
+                if (count) call_callback(*count, i, solver);
+                return hear ? call_callback(*hear, i, solver) : Continue;
+            };
+            const StageProgress stages = [&](const char* stage, double share) {
+                check_abandoned(is_abandoned);
+                if (tell) call_progress(*tell, stage, share);
+            };
+            // With checkpoints they go on: the run stops as a whole, and is written.
+            Problem own = with_functions(std::move(problem), folder ? nullptr : is_abandoned);
+            if (folder)
+                return solve_with_checkpoints(std::move(own), options, *folder, after, stages,
+                                              is_abandoned, *warnings);
+            return state ? solve(std::move(own), options, *state, after, stages)
+                         : solve(std::move(own), options, after, stages);
+        });
     bar.reset();
+    for (const std::string& text : *warnings)
+        if (PyErr_WarnEx(PyExc_RuntimeWarning, text.c_str(), 1) != 0) nb::raise_python_error();
     show_result(callback, problem.problem, summary);
     std::vector<std::string> views;
     for (const View& view : problem.problem.views) views.push_back(view.name);

@@ -32,7 +32,7 @@ struct PythonSolver {
     std::unique_ptr<Worker> worker = std::make_unique<Worker>();
 };
 
-PythonSolver make_solver(const PythonProblem& problem, const std::optional<State>& state,
+PythonSolver make_solver(const PythonProblem& problem, const State* state,
                          const nb::kwargs& given) {
     const Options options = options_of(given, "Solver", problem);
     const Flag goes_on = std::make_shared<std::atomic<bool>>(false);
@@ -41,7 +41,7 @@ PythonSolver make_solver(const PythonProblem& problem, const std::optional<State
     made.views = problem.problem.views.size();
     made.functions = copy_of(problem.functions);
     made.run = compute([problem = with_functions({problem.problem, made.functions}, goes_on),
-                        options, state = state](const Flag& is_abandoned) mutable {
+                        options, state, owner = owner_of(state)](const Flag& is_abandoned) mutable {
         const StageProgress progress = [&](const char*, double) { check_abandoned(is_abandoned); };
         return std::make_shared<Run>(state ? Solver(std::move(problem), options, *state)
                                            : Solver(std::move(problem), options, progress));
@@ -218,7 +218,7 @@ void bind_steps(nb::module_& m) {
     nb::class_<PythonSolver> c(m, "Solver", doc.c_str(), nb::type_slots(slots));
     c.def(
         "__init__",
-        [](PythonSolver* self, const PythonProblem& problem, const std::optional<State>& state,
+        [](PythonSolver* self, const PythonProblem& problem, const State* state,
            const nb::kwargs& options) {
             new (self) PythonSolver(make_solver(problem, state, options));
         },

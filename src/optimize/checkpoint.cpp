@@ -226,6 +226,16 @@ Checkpoint load_checkpoint(const std::string& folder, const Ranks& ranks) {
                                      : damaged.front());
 }
 
+std::vector<std::string> warnings_of(const Checkpoint& checkpoint, const std::string& run) {
+    std::vector<std::string> warnings;
+    for (const std::string& damaged : checkpoint.damaged)
+        warnings.push_back(damaged + ": the one before it is taken");
+    if (checkpoint.program != version_text())
+        warnings.push_back(fmt::format("{} began with {}: with {} the bytes may be others", run,
+                                       checkpoint.program, version_text()));
+    return warnings;
+}
+
 double expected_writing_seconds(const State::Values& state) {
     constexpr double kSlowDisk = 2.5e8;  // bytes per second
     std::uint64_t bytes = 0;

@@ -17,6 +17,10 @@ namespace burnish {
 /// Throws OutputError where the folder cannot be read: they would count as none.
 std::vector<std::filesystem::path> checkpoints_in(const std::filesystem::path& folder);
 
+/// What is wrong with newer ones, and whether another program wrote it, a sentence each. run: what
+/// goes on from it, as a sentence begins with it.
+std::vector<std::string> warnings_of(const Checkpoint& checkpoint, const std::string& run);
+
 /// What writing a state is taken to last until one was written: as long as on a slow disk.
 double expected_writing_seconds(const State::Values& state);
 

@@ -12,6 +12,7 @@
 #include <fstream>
 #include <new>
 #include <thread>
+#include <utility>
 
 #include "burnish/error.h"
 #include "core/parallel.h"
@@ -322,6 +323,20 @@ TEST_F(CheckpointTest, DamageIsFoundAndTheOneBeforeIsTaken) {
     EXPECT_NE(
         test::error_of([&] { load_checkpoint(checkpoints.folder); }).find("holds no checkpoint"),
         std::string::npos);
+}
+
+TEST_F(CheckpointTest, OfAnotherProgramAreWarnedOf) {
+    Options options;
+    options.estimator = MonteCarlo{1, 1};
+    solve(test::state_problem(), options, checkpoints, test::stop_after(1));
+    Checkpoint kept = load_checkpoint(checkpoints.folder);
+    EXPECT_TRUE(warnings_of(kept, "the run").empty());
+    const std::string program = std::exchange(kept.program, "burnish 0");
+    kept.damaged = {"a file: is cut off"};
+    const std::vector<std::string> warnings{
+        "a file: is cut off: the one before it is taken",
+        "the run began with burnish 0: with " + program + " the bytes may be others"};
+    EXPECT_EQ(warnings_of(kept, "the run"), warnings);
 }
 
 /// Checkpoints of an earlier run in the same folder go once there is one of the new run, not

@@ -300,6 +300,36 @@ def test_the_interpreter_ends_while_work_goes_on(scene):
     assert done.returncode == 0 and done.stdout == "interrupted\n" and not done.stderr, done.stdout + done.stderr
 
 
+@pytest.mark.parametrize("goes_on", [
+    "burnish.Solver(problem, state, **options)",
+    "burnish.solve(problem, state, spp=1, path_cache_window=300, iterations=1, evaluation_spp=2)",
+])
+def test_a_state_is_copied_once(scene, tmp_path, goes_on):
+    """One of many records: by the solver that goes on from it."""
+    begin = f"""
+        import burnish, os, resource, sys
+        def peak():
+            return 1024 * resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+        renderer = burnish.load(sys.argv[1], size=(96, 96))
+        problem = burnish.Problem(renderer, renderer.render(spp=1), burnish.Unknown({NAME!r}, 0.5))
+        options, file = dict(spp=600, path_cache_window=300), {str(tmp_path / "state")!r}
+        solver = burnish.Solver(problem, **options)
+    """
+    written = run(textwrap.dedent(begin) + textwrap.dedent("""
+        solver.step()
+        solver.state.save(file)
+    """), scene)
+    assert written.returncode == 0, written.stderr
+    done = run(textwrap.dedent(begin) + textwrap.dedent(f"""
+        before = peak()
+        state = burnish.State.load(file)
+        own = {goes_on}
+        print((peak() - before) / os.path.getsize(file))
+    """), scene)
+    assert done.returncode == 0, done.stderr
+    assert 1.5 < float(done.stdout) < 3.5
+
+
 def test_the_interpreter_ends_while_a_daemon_works(scene):
     done = run(textwrap.dedent(INTERRUPTED) + textwrap.dedent("""
         problem = burnish.Problem(renderer, target, burnish.Unknown('mat-goblet.roughness', 0.5))

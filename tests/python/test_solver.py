@@ -162,6 +162,15 @@ def test_a_run_goes_on_from_its_checkpoints(problem, renderer, target, tmp_path)
         burnish.solve(own, checkpoints=folder)
 
 
+def test_a_damaged_checkpoint_is_warned_of(problem, tmp_path):
+    for iterations in (1, 2):
+        burnish.solve(problem, checkpoints=tmp_path, iterations=iterations, evaluation_spp=2)
+    os.truncate(tmp_path / "0000000002.burnish", 100)
+    with pytest.warns(RuntimeWarning, match="0000000002.burnish: .*: the one before it is taken") as warned:
+        summary = burnish.solve(problem, checkpoints=tmp_path, iterations=2, evaluation_spp=2)
+    assert len(warned) == 1 and warned[0].filename == __file__ and summary.iteration_count == 2
+
+
 def test_a_run_does_not_go_on_with_another_scene(scene, renderer, target, tmp_path):
     def of(renderer):
         return burnish.Problem(renderer, target, burnish.Unknown(NAME, start=0.5))
