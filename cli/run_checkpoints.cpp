@@ -56,8 +56,9 @@ void require_files(const Checkpoint& checkpoint) {
     if (changed.empty()) return;
     const nlohmann::json about = about_run(checkpoint);
     const std::string began_in = text(member({about, checkpoint.file, ""}, "folder"));
-    throw InputError(fmt::format("{}: the run, which began in {}, cannot go on: {}",
-                                 checkpoint.file, began_in, fmt::join(changed, "; ")));
+    throw InputError(fmt::format("{}: the run{} cannot go on: {}", checkpoint.file,
+                                 began_in.empty() ? "" : ", which began in " + began_in + ",",
+                                 fmt::join(changed, "; ")));
 }
 
 }  // namespace
@@ -112,9 +113,10 @@ RunCheckpoints::RunCheckpoints(const RunResult& run, OutputFolder& output, const
     : output_(output), ranks_(run.ranks), hint_(resume_hint(output)) {
     options_.folder = (output.checkpoints / part).string();
     options_.seconds = run.settings.run.checkpoint_seconds;
+    std::error_code gone;  // a folder that somebody has removed has no name
     const nlohmann::ordered_json about{{"settings", settings_json(run.settings)},
                                        {"asked", settings_json(run.asked)},
-                                       {"folder", fs::current_path().string()}};
+                                       {"folder", fs::current_path(gone).string()}};
     options_.settings = about.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
     options_.files = run.files;
     options_.stop = interrupted_by_system;

@@ -32,6 +32,20 @@ TEST(RunCheckpointsTest, AllProcessesEndAlike) {
         });
 }
 
+TEST(RunCheckpointsTest, AFolderThatIsGoneHasNoName) {
+    const test::TemporaryFolder folder;
+    const RunResult run;
+    OutputFolder output = helping_folder(folder.path / "out");
+    const fs::path here = fs::current_path(), gone = folder.path / "gone";
+    fs::create_directory(gone);
+    fs::current_path(gone);
+    fs::remove(gone);
+    const RunCheckpoints checkpoints(run, output);
+    fs::current_path(here);
+    const auto about = nlohmann::json::parse(checkpoints.options().settings);
+    EXPECT_EQ(about["folder"], "");
+}
+
 TEST(RunCheckpointsTest, TheHistoryGoesOnOnceThereIsRoomAgain) {
     const test::TemporaryFolder folder;
     const RunResult run;
