@@ -6,6 +6,8 @@
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/vector.h>
 
+#include <limits>
+
 #include "image/files.h"
 #include "optimize/state.h"
 #include "python/arrays.h"
@@ -181,6 +183,12 @@ nb::list view_names_of(const PythonSummary& s) {
     return all;
 }
 
+/// NaN: a run that was suspended has evaluated nothing.
+double loss_of(const Evaluation& evaluation) {
+    return evaluation.views.empty() ? std::numeric_limits<double>::quiet_NaN()
+                                    : loss_without_noise(evaluation);
+}
+
 constexpr const char* kTexturesSignature =
     "(self) -> dict[str, numpy.typing.NDArray[numpy.float32]]";
 
@@ -210,7 +218,8 @@ void bind_summary(nb::module_& m) {
         "How many the run had.");
     c.def_prop_ro(
         "ending", [](const PythonSummary& s) { return name_of(s.values.ending); },
-        "'iterations', 'time', 'patience' or 'cancelled'.");
+        "'iterations', 'time', 'patience', 'cancelled', or 'suspended': another of the ranks has "
+        "stopped the run, and nothing is\nevaluated.");
     c.def_prop_ro(
         "seconds", [](const PythonSummary& s) { return s.values.seconds; },
         "Of the iterations, the callback's between them included.");
@@ -218,12 +227,12 @@ void bind_summary(nb::module_& m) {
         "search_seconds", [](const PythonSummary& s) { return s.values.search_seconds; },
         "Of the search for the start.");
     c.def_prop_ro(
-        "initial_loss", [](const PythonSummary& s) { return loss_without_noise(s.values.start); },
+        "initial_loss", [](const PythonSummary& s) { return loss_of(s.values.start); },
         "Of start, without its noise floor where that is known: without noise on average. With "
         "'l1' and with a loss of your own it holds the noise of as many samples as loss.");
     c.def_prop_ro(
-        "loss", [](const PythonSummary& s) { return loss_without_noise(s.values.result); },
-        "Of the result, to be compared with initial_loss.");
+        "loss", [](const PythonSummary& s) { return loss_of(s.values.result); },
+        "Of the result, to be compared with initial_loss. NaN, both, where the run was suspended.");
     c.def_prop_ro(
         "start", [](const PythonSummary& s) -> const Evaluation& { return s.values.start; },
         nb::rv_policy::reference_internal,
@@ -239,7 +248,7 @@ void bind_summary(nb::module_& m) {
         "From which the run can go on.");
     c.def("__repr__", [](const PythonSummary& s) {
         return fmt::format("Summary(loss {:f} -> {:f}, {} iterations, {:f} seconds)",
-                           loss_without_noise(s.values.start), loss_without_noise(s.values.result),
+                           loss_of(s.values.start), loss_of(s.values.result),
                            s.values.counts.iterations, s.values.seconds);
     });
 }

@@ -1,4 +1,5 @@
 """Exchanges between processes that are functions of a test's own: no MPI is needed."""
+import math
 import signal
 from concurrent.futures import ThreadPoolExecutor
 
@@ -76,7 +77,9 @@ def test_ctrl_c_in_one_process_ends_the_run_of_all_with_a_checkpoint(
             elsewhere = thread.submit(solve, other, str(other.rank), arm)
             with pytest.raises(KeyboardInterrupt):
                 solve(own, str(own.rank), arm)
-            assert elsewhere.result().ending == "suspended"
+            suspended = elsewhere.result()
+            assert suspended.ending == "suspended" and not suspended.result.views
+            assert math.isnan(suspended.loss) and math.isnan(suspended.initial_loss)
     finally:
         signal.signal(signal.SIGALRM, earlier)
     heard = []
