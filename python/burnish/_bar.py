@@ -13,12 +13,12 @@ from ._core import Iteration
 class _Line:
     """What is used of tqdm, without it."""
 
-    def __init__(self, total: int | None = None, desc: str = "", initial: float = 0.0, **_: Any) -> None:
+    def __init__(self, total: int | None = None, desc: str = "", initial: int = 0, **_: Any) -> None:
         self.total, self.desc, self.n, self.postfix = total, desc, initial, ""
         self.shown, self.last = "", 0.0
 
     def refresh(self) -> None:
-        count = f"{self.n:.0f}" + (f"/{self.total}" if self.total else "")
+        count = f"{self.n}" + (f"/{self.total}" if self.total else "")
         text = f"{self.desc}  {count}  {self.postfix}"
         print("\r" + text.ljust(len(self.shown)), end="", file=sys.stderr, flush=True)
         self.shown, self.last = text, time.monotonic()
@@ -26,7 +26,7 @@ class _Line:
     def set_postfix_str(self, text: str, refresh: bool = True) -> None:
         self.postfix = text
 
-    def update(self, count: float) -> None:
+    def update(self, count: int) -> None:
         self.n += count
         if time.monotonic() - self.last > 0.2:
             self.refresh()
@@ -59,10 +59,10 @@ class Bar:
         self.closed = False
         self.lock = threading.Lock()
 
-    def begin(self, title: str, total: int | None, initial: int = 0) -> None:
+    def begin(self, title: str, total: int | None, initial: int = 0, **arguments: Any) -> None:
         if self.title != title:
             self.end()
-            self.title, self.line = title, _line(total=total, desc=title, initial=initial, mininterval=0.2)
+            self.title, self.line = title, _line(total=total, desc=title, initial=initial, mininterval=0.2, **arguments)
 
     def end(self) -> None:
         if self.line is not None:
@@ -72,8 +72,8 @@ class Bar:
         with self.lock:
             if self.closed:
                 return
-            self.begin(name, 100)
-            self.line.update(100 * share - self.line.n)
+            self.begin(name, 100, bar_format="{l_bar}{bar}| {elapsed}<{remaining}")  # a percentage, no count and rate
+            self.line.update(round(100 * share) - self.line.n)
 
     def iteration(self, iteration: Iteration) -> None:
         with self.lock:

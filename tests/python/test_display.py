@@ -170,6 +170,18 @@ def test_the_line_is_like_tqdms():
     bar.close()
 
 
+def test_a_stage_is_a_percentage(capfd, monkeypatch):
+    pytest.importorskip("tqdm", reason="tqdm is not installed")
+    monkeypatch.setattr("importlib.util.find_spec", lambda name: name == "tqdm" or None)
+    bar = Bar(None)
+    for share in (0.12345, 2 / 3):
+        bar.stage("evaluating", share)
+    assert bar.line.n == 67
+    bar.close()
+    last = capfd.readouterr().err.split("\r")[-1]
+    assert "evaluating:  67%" in last and not re.search(r"67\.|/100|/s", last), last
+
+
 def test_a_bar_that_another_thread_closes_shows_no_more(monkeypatch):
     """As Ctrl-C does, while the thread of the run shows an iteration."""
     closing, postfixes = [], []
