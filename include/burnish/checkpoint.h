@@ -32,8 +32,8 @@ struct CheckpointNote {
 };
 
 /// When and where solve() writes checkpoints; the last two are kept. It writes one after the last
-/// iteration, too, before it evaluates, and where memory ends within an iteration, before it
-/// throws. Of several processes the first one writes one file for all.
+/// iteration, too, before it evaluates, and, as a single process, where memory ends within an
+/// iteration, before it throws. Of several processes the first one writes one file for all.
 struct Checkpoints {
     /// Made where it is missing; never empty. A checkpoint's name is the number of iterations with
     /// ten digits and ".burnish"; files of other names are left alone, but for what a writing that

@@ -253,9 +253,9 @@ void require_state_of(const Setup& setup, const State::Values& state) {
     if (fits && are_search_costs(setup, state)) return;
     throw InputError(
         "the state is that of another problem or of other options: expected the same scene, "
-        "views, estimator, loss, unknowns with their starts, pyramid.levels and batch; of "
-        "reservoirs the same samples, adaptive_sampling and shift; pyramid.weight_decay 0 where it "
-        "was 0, and an image_window above 0 where it was above 0");
+        "views, estimator, loss, unknowns with their starts, pyramid.levels and batch; of pgris, "
+        "gris, pris or ris any of them with the same samples, adaptive_sampling and shift; "
+        "pyramid.weight_decay 0 where it was 0, and an image_window above 0 where it was above 0");
 }
 
 }  // namespace burnish

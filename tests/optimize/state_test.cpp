@@ -203,6 +203,15 @@ TEST(State, OfOtherOptionsIsRefusedWithTheirNames) {
         EXPECT_NE(refusal(before, after).find(name), std::string::npos) << name;
         EXPECT_EQ(refusal(before, before), "") << name;
     }
+    for (const bool reuse : {false, true})
+        for (const bool positivization : {false, true}) {
+            const Options other = with([&](Options& o) {
+                o.estimator =
+                    Reservoirs{.samples = 2, .positivization = positivization, .reuse = reuse};
+            });
+            EXPECT_EQ(refusal(two, other), "") << "the state means the same";
+            EXPECT_EQ(refusal(other, two), "") << "the state means the same";
+        }
     for (View& view : problem.views) view.exposure = FitExposure{};
     EXPECT_EQ(refusal(plain, {}), "") << "any loss gathers halves where an exposure is fitted";
 }
