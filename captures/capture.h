@@ -12,8 +12,8 @@
 
 namespace burnish {
 
-/// Where a view and what it names stand, in messages: "capture.json: views[0].image". Empty: in no
-/// file.
+/// Where a view and what it names stand, in messages: "capture.json: views[0].image". Empty: they
+/// have the view's name alone.
 struct ViewPlaces {
     std::string view, image, mask, camera, emitters;
 };

@@ -123,8 +123,8 @@ def fill(material, inputs):
 
 def found(name, taken):
     """The material of that name, which Blender 5 cuts to 255 bytes of UTF-8 and Blender 4 to 63."""
-    for most in (None, 255, 63):
-        material = bpy.data.materials.get(name.encode()[:most].decode(errors="ignore"))
+    for max_bytes in (None, 255, 63):
+        material = bpy.data.materials.get(name.encode()[:max_bytes].decode(errors="ignore"))
         if material is not None and material not in taken:
             return material
     return None

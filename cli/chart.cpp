@@ -135,11 +135,11 @@ std::string chart_svg(const Chart& chart) {
     return svg + names.svg + "</svg>";
 }
 
-std::vector<double> linear_ticks(double low, double high, int max) {
-    const double min = (high - low) / max;
-    double step = std::pow(10.0, std::floor(std::log10(min)));
+std::vector<double> linear_ticks(double low, double high, int max_steps) {
+    const double min_step = (high - low) / max_steps;
+    double step = std::pow(10.0, std::floor(std::log10(min_step)));
     for (const double factor : {2.0, 2.5, 2.0}) {
-        if (step >= min) break;
+        if (step >= min_step) break;
         step *= factor;
     }
     std::vector<double> ticks;

@@ -32,8 +32,8 @@ struct Chart {
 /// An <svg> element that scales with its surroundings.
 std::string chart_svg(const Chart& chart);
 
-/// Round numbers 1, 2, 5 times a power of ten that divide [low, high] into at most `max` steps.
-std::vector<double> linear_ticks(double low, double high, int max);
+/// Round numbers 1, 2, 5 times a power of ten that divide [low, high] into at most `max_steps`.
+std::vector<double> linear_ticks(double low, double high, int max_steps);
 /// Powers of ten within [low, high]; with 2 and 5 times them on less than three decades; round
 /// steps where those are few, too.
 std::vector<double> log_ticks(double low, double high);

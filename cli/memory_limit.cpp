@@ -146,8 +146,8 @@ AtOnce fitting(std::vector<double> each, double room, std::size_t threads) {
     return fit;
 }
 
-/// What the program takes besides is left out: a limit below that is refused once all is known,
-/// with one that is enough.
+/// What the program takes besides is left out, but not of the limit that is named: one below that
+/// is refused once all is known.
 void require_memory(double bytes, double limit, const std::string& what) {
     if (bytes > limit)
         throw ResourceError(
@@ -162,7 +162,7 @@ BeforeReading limit_of_files(const RunSettings& settings) {
     const double limit = *settings.max_memory * kBytesPerGib;
     return [limit](const std::filesystem::path& file, double bytes, double before) {
         require_memory(before + bytes, limit,
-                       fmt::format("{}: reading it takes about {} beside the {} read before it",
+                       fmt::format("{}: reading it takes at least {} beside the {} read before it",
                                    file.string(), bytes_text(bytes), bytes_text(before)));
     };
 }

@@ -92,8 +92,8 @@ void make_view_renderers(const Renderer& renderer, RunResult& run) {
     Problem problem{renderer, {}, {}, {}};
     for (const CapturedView& source : run.sources) problem.views.push_back(source.view);
     const RunSettings& asked = run.settings.run;
-    at_place(is_capture(asked.scene) ? asked.scene + ": views" : asked.views,
-             [&] { fitted_views(problem); });
+    const std::string file = is_capture(asked.scene) ? asked.scene + ": views" : asked.views;
+    at_place(asked.held_out.empty() ? file : "", [&] { fitted_views(problem); });
     run.renderers = make_captured_views(problem, run.sources);
 }
 
@@ -259,8 +259,8 @@ void run_to_the_end(const Task& task, OutputFolder& output, std::optional<Checkp
     run.ranks = metered(task.ranks, run.traffic);
     run.goes_on = from.has_value();
     std::error_code gone;
-    if (from) run.state_bytes = static_cast<double>(std::filesystem::file_size(from->file, gone));
-    if (gone) run.state_bytes = 0;
+    const auto bytes = from ? std::filesystem::file_size(from->file, gone) : 0;
+    run.state_bytes = gone ? 0 : static_cast<double>(bytes) / run.ranks.count;
     Phases phases(run);
     const Renderer renderer = read_run(output, phases, run);
     Problem problem = make_problem(renderer, run);

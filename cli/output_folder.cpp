@@ -331,7 +331,8 @@ void move_scene_into_place(OutputFolder& output) {
     const WholeStep whole;
     std::vector<std::string> added = unfinished_files(output);
     std::erase_if(added, [&](const std::string& file) {
-        return fs::exists(fs::symlink_status(output.folder / file));
+        return fs::exists(fs::symlink_status(output.folder / file)) ||
+               is_behind_link(output.folder, file);
     });
     try {
         move_into_place(output);

@@ -222,10 +222,10 @@ std::vector<Part> wanted_parts(const CommandLine& line, std::span<const KnownTar
     for (const Experiment& e : experiments()) {
         if (!is_wanted(line, e)) continue;
         if (e.max_scenes == 0) parts.push_back({&e, nullptr});
-        std::size_t max = line.full ? e.full_scenes : e.max_scenes;
-        if (are_named && max > 0) max = targets.size();
+        std::size_t left = line.full ? e.full_scenes : e.max_scenes;
+        if (are_named && left > 0) left = targets.size();
         for (const KnownTarget& t : targets)
-            if (max > 0 && is_wanted(line, e, t)) parts.push_back({&e, &t}), --max;
+            if (left > 0 && is_wanted(line, e, t)) parts.push_back({&e, &t}), --left;
     }
     return parts;
 }

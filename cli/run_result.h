@@ -80,7 +80,7 @@ struct RunResult {
     Settings settings;                  ///< with what follows from them: the path cache's memory
     Settings asked;                     ///< as they were given
     bool goes_on = false;               ///< from a checkpoint, with `settings` as it records them
-    double state_bytes = 0;             ///< of what the checkpoint holds, which is read before all
+    double state_bytes = 0;             ///< of what this process has of its checkpoint, about
     Ranks ranks;                        ///< that share out the work
     Traffic traffic;                    ///< of this one
     std::vector<std::string> warnings;  ///< of the loader

@@ -18,8 +18,8 @@ Image read_texels(const Bitmap& bitmap, const std::string& text, const std::stri
         return make_image(bitmap.width, bitmap.height, bitmap.channels,
                           static_cast<float>(*number));
     ImageFile file = read_image_file(text);
-    const auto min = [](int side) { return side == kBitmapSide ? kBitmapSide : 1; };
-    file.image = padded_to(std::move(file.image), min(bitmap.width), min(bitmap.height));
+    const auto min_side = [](int side) { return side == kBitmapSide ? kBitmapSide : 1; };
+    file.image = padded_to(std::move(file.image), min_side(bitmap.width), min_side(bitmap.height));
     const std::string named = fmt::format("{} ({})", what, text);
     require_size(file.image, bitmap.width, bitmap.height, named, "the size of the texture");
     require_finite(file.image, named);

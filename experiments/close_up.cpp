@@ -33,15 +33,15 @@ Square most_different(const Image& a, const Image& b) {
         return sums[static_cast<std::size_t>(y) * (static_cast<std::size_t>(a.width) + 1) +
                     static_cast<std::size_t>(x)];
     };
-    Square max{0, 0, std::max(1, std::min(a.width, a.height) / 3)};
+    Square best{0, 0, std::max(1, std::min(a.width, a.height) / 3)};
     double max_sum = -1;
-    for (int y = 0; y + max.side <= a.height; ++y)
-        for (int x = 0; x + max.side <= a.width; ++x) {
-            const int right = x + max.side, below = y + max.side;
+    for (int y = 0; y + best.side <= a.height; ++y)
+        for (int x = 0; x + best.side <= a.width; ++x) {
+            const int right = x + best.side, below = y + best.side;
             const double inside = sum(right, below) - sum(x, below) - sum(right, y) + sum(x, y);
-            if (inside > max_sum) max_sum = inside, max.x = x, max.y = y;
+            if (inside > max_sum) max_sum = inside, best.x = x, best.y = y;
         }
-    return max;
+    return best;
 }
 
 Image close_up(const Image& image, const Square& square) {

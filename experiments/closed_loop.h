@@ -19,7 +19,8 @@ struct LoopProducts {
 
 /// How many passes each half of a and of b has, after so many iterations. The mean of the gradient
 /// of Loss::kReweighted changes with the noise of its weights: they have as many as a half of the
-/// run's path cache then keeps.
+/// run's path cache then keeps. 16 under other losses, and of other estimators, where the bias
+/// under kReweighted holds that change.
 std::uint32_t reference_passes(const Options& options, std::uint32_t iterations);
 
 /// A run of so many iterations on a problem with one unknown. Runs of different `run` are

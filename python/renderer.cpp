@@ -239,8 +239,8 @@ void bind_work(nb::class_<Renderer>& c) {
           "The picture [height, width, 3], linear RGB radiance, of spp samples per pixel. "
           "textures: in the place of the\nscene's, {name: array}, or {name: number} for all "
           "texels; those of two names of one texture are the same. The same\nbytes for any number "
-          "of threads. Throws InputError where more than one sample in 1000, or the picture, is "
-          "not finite.");
+          "of threads. Throws InputError where more than one contribution for 1000 samples, or "
+          "the picture, is not finite.");
     c.def("gradient", gradient, nb::arg("adjoint"), nb::arg("parameters") = nb::none(),
           nb::arg("textures") = nb::none(), nb::arg("spp") = 64, nb::arg("seed") = 0,
           nb::sig("def gradient(self, adjoint: numpy.typing.ArrayLike, parameters: str | "

@@ -108,7 +108,7 @@ void bind_evaluation(nb::module_& m) {
         .def_ro("views", &Evaluation::views, nb::rv_policy::reference_internal)
         .def_ro("samples_per_pixel", &Evaluation::samples_per_pixel)
         .def_ro("rejected", &Evaluation::rejected,
-                "Samples of all views that were not finite and were left out.")
+                "Contributions to all images that were not finite and were left out.")
         .def("__repr__", [](const Evaluation& e) {
             return fmt::format("Evaluation(loss={:f}, noise_floor={:f})", e.loss, e.noise_floor);
         });
@@ -219,7 +219,7 @@ void bind_summary(nb::module_& m) {
     c.def_prop_ro(
         "ending", [](const PythonSummary& s) { return name_of(s.values.ending); },
         "'iterations', 'time', 'patience', 'cancelled', or 'suspended': another of the ranks has "
-        "stopped the run, and nothing is\nevaluated.");
+        "stopped the run, and\nnothing is evaluated.");
     c.def_prop_ro(
         "seconds", [](const PythonSummary& s) { return s.values.seconds; },
         "Of the iterations, the callback's between them included.");

@@ -44,6 +44,13 @@ void call_progress(const Function& progress, const char* stage, double share) {
     progress.get()(stage, share);
 }
 
+/// RuntimeWarning for each; throws where Python makes an error of it.
+void warn(const std::vector<std::string>& sentences) {
+    const nb::gil_scoped_acquire gil;
+    for (const std::string& text : sentences)
+        if (PyErr_WarnEx(PyExc_RuntimeWarning, text.c_str(), 1) != 0) nb::raise_python_error();
+}
+
 std::shared_ptr<Function> to_function(nb::handle function, const char* name) {
     if (function.is_none()) return {};
     if (!PyCallable_Check(function.ptr()))
@@ -89,10 +96,10 @@ class FolderClaim {
 };
 
 /// Goes on from the newest checkpoint of the folder where there is one. Once nobody waits the run
-/// is written and ends. warnings: of the checkpoint.
+/// is written and ends.
 Summary solve_with_checkpoints(Problem problem, const Options& options, const std::string& folder,
                                const Callback& callback, const StageProgress& progress,
-                               const Flag& is_abandoned, std::vector<std::string>& warnings) {
+                               const Flag& is_abandoned) {
     const FolderClaim claim(folder, is_abandoned);
     Checkpoints checkpoints;
     checkpoints.folder = folder;
@@ -100,7 +107,7 @@ Summary solve_with_checkpoints(Problem problem, const Options& options, const st
     if (checkpoints_in(folder).empty())
         return solve(std::move(problem), options, checkpoints, callback, progress);
     Checkpoint from = load_checkpoint(folder, problem.ranks);
-    if (is_first(problem.ranks)) warnings = warnings_of(from, "the run");
+    if (is_first(problem.ranks)) warn(warnings_of(from, "the run"));
     return solve(std::move(problem), options, std::move(from), checkpoints, callback, progress);
 }
 
@@ -145,10 +152,9 @@ PythonSummary run(const PythonProblem& problem, const State* state, nb::handle c
     if (!checkpoints.is_none()) folder = to_path(checkpoints);
     if (state && folder)
         throw InputError("solve: found a state and a folder of checkpoints, expected one of them");
-    const auto warnings = std::make_shared<std::vector<std::string>>();
     Summary summary =
         compute([problem = PythonProblem(problem), options, state, owner = owner_of(state), hear,
-                 tell, count, folder, warnings](const Flag& is_abandoned) mutable {
+                 tell, count, folder](const Flag& is_abandoned) mutable {
             const Callback after = [&](const Iteration& i, const Solver& solver) {
                 if (folder && is_over(is_abandoned)) return Suspend;
                 check_abandoned(is_abandoned);
@@ -163,13 +169,11 @@ PythonSummary run(const PythonProblem& problem, const State* state, nb::handle c
             Problem own = with_functions(std::move(problem), folder ? nullptr : is_abandoned);
             if (folder)
                 return solve_with_checkpoints(std::move(own), options, *folder, after, stages,
-                                              is_abandoned, *warnings);
+                                              is_abandoned);
             return state ? solve(std::move(own), options, *state, after, stages)
                          : solve(std::move(own), options, after, stages);
         });
     bar.reset();
-    for (const std::string& text : *warnings)
-        if (PyErr_WarnEx(PyExc_RuntimeWarning, text.c_str(), 1) != 0) nb::raise_python_error();
     show_result(callback, problem.problem, summary);
     std::vector<std::string> views;
     for (const View& view : problem.problem.views) views.push_back(view.name);

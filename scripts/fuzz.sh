@@ -5,7 +5,7 @@
 #
 #   scripts/fuzz.sh SECONDS [READER...]      all readers of tests/fuzz/readers.cpp without names
 #
-# What widens the corpus is kept in build/fuzz/corpus, what makes a reader fail or slow in build/fuzz/findings.
+# What widens the corpus is kept in build/fuzz/corpus, what makes a reader fail or take two seconds in build/fuzz/findings.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 

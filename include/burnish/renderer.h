@@ -84,9 +84,9 @@ class Renderer {
     /// The picture [height, width, 3], linear RGB radiance. samples_per_pixel: 1 to 2^20. The same
     /// bytes for any number of threads. Throws InputError: no sample, or too many; of `textures`,
     /// what texture() throws, two names of one texture, one that an emitter reads, too, texels that
-    /// are not as TextureValues says, or one that is not finite. Samples that are not finite are
-    /// left out; where they are more than one in 1000, or the picture is not finite, values are too
-    /// large: InputError, too.
+    /// are not as TextureValues says, or one that is not finite. Contributions that are not
+    /// finite are left out; where they are more than one for 1000 samples, or the picture is not
+    /// finite, values are too large: InputError, too.
     Image render(std::uint32_t samples_per_pixel, std::uint32_t seed = 0,
                  const TextureValues& textures = {}, const Progress& progress = {}) const;
 

@@ -164,7 +164,7 @@ struct Evaluation {
     double noise_floor = 0;  ///< the mean over the fitted views
     std::vector<ViewEvaluation> views = {};  ///< parallel to Problem::views
     std::uint32_t samples_per_pixel = 0;
-    std::size_t rejected = 0;  ///< samples of all views that were not finite, left out
+    std::size_t rejected = 0;  ///< contributions to all images that were not finite, left out
 };
 /// The loss without the noise floor, where that is known: what evaluations of different numbers of
 /// samples are compared by. May be a little below zero.
@@ -205,8 +205,9 @@ class Solver {
     /// more than there are views for, or with different problems. ResourceError:
     /// PathCache::max_bytes holds no pass of each half.
     Solver(Problem problem, Options options, const StageProgress& progress = {});
-    /// Goes on from a state of the same problem and options. Throws InputError, too, where it is
-    /// none.
+    /// Goes on from a state of the same problem and options. Exposures that are known are those of
+    /// the problem, and records that PathCache::max_bytes leaves no room for are left out. Throws
+    /// InputError, too, where the state is that of another problem or of other options.
     Solver(Problem problem, Options options, const State& state);
     Solver(Solver&&) noexcept;
     Solver& operator=(Solver&&) noexcept;

@@ -55,8 +55,8 @@ MeshFile read_mesh_file(const Loader& loader, const std::filesystem::path& file,
                           ? take_integer(properties, "shape_index", 0, 0, 1 << 30)
                           : 0;
     const auto tell = [&](double bytes) { tell_reading(loader, file, bytes); };
-    tell(0);
     try {
+        tell(0);
         if (properties.type == "obj") return read_obj_file(file);
         if (properties.type == "ply") return read_ply_file(file, {.before_mesh = tell});
         return read_serialized(file, static_cast<std::size_t>(index), tell);

@@ -17,8 +17,8 @@ namespace burnish {
 /// Throws OutputError where the folder cannot be read: they would count as none.
 std::vector<std::filesystem::path> checkpoints_in(const std::filesystem::path& folder);
 
-/// What is wrong with newer ones, and whether another program wrote it, a sentence each. run: what
-/// goes on from it, as a sentence begins with it.
+/// Sentences on newer checkpoints that are damaged, and on a checkpoint that another program wrote.
+/// run: the subject of the sentence, "the run".
 std::vector<std::string> warnings_of(const Checkpoint& checkpoint, const std::string& run);
 
 /// What writing a state is taken to last until one was written: as long as on a slow disk.

@@ -101,7 +101,7 @@ std::vector<char> known_regions(const GroupSearch& s) {
 }
 
 /// What each region would have alone.
-std::vector<std::uint32_t> min_costs(const GroupSearch& s, const std::vector<float>& costs) {
+std::vector<std::uint32_t> cheapest_labels(const GroupSearch& s, const std::vector<float>& costs) {
     std::vector<std::uint32_t> labels;
     for (auto own = costs.begin(); own != costs.end();) {
         const auto end = own + static_cast<std::ptrdiff_t>(s.candidates());
@@ -216,7 +216,7 @@ std::vector<std::uint32_t> choose_labels(const GroupSearch& s) {
     fix_uniform(s, costs);
     std::vector<std::uint32_t> leaves;
     if (!s.group.guides.empty()) {
-        leaves = leaves_of_regions(s.group, grow_tree(s.group, known, min_costs(s, costs)));
+        leaves = leaves_of_regions(s.group, grow_tree(s.group, known, cheapest_labels(s, costs)));
         add_guide_costs(s.group, leaves, known, costs);
     }
     const std::vector<float> distances = make_distances(s.group);

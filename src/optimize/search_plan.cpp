@@ -4,6 +4,7 @@
 #include <cmath>
 #include <functional>
 
+#include "core/parallel.h"
 #include "gradient/theta.h"
 #include "optimize/loss.h"
 #include "optimize/search_guide.h"
@@ -172,17 +173,19 @@ float max_mask(std::span<const SearchView> views, const std::vector<TextureId>& 
     plan.unknowns = unknowns;
     const Scene& scene = *views.front().scene.scene;
     const std::vector<char> unknown = unknown_bsdfs(scene, unknown_slots(scene, plan));
-    float max = 0;
-    for (const SearchView& view : views) {
+    std::vector<float> max(views.size(), 0);
+    parallel_for(views.size(), [&](std::size_t v) {
+        const SearchView& view = views[v];
         const std::vector<char> seen = seen_pixels(view.scene, unknown);
         const int width = view.scene.film.crop_width;
         for (std::size_t k = 0; k < seen.size(); ++k) {
             const int y = static_cast<int>(k) / width, x = static_cast<int>(k) % width;
             for (int c = 0; seen[k] && c < 3; ++c)
-                max = std::max(max, static_cast<float>(mask_at(view.mask, x, y, c)));
+                max[v] = std::max(max[v], static_cast<float>(mask_at(view.mask, x, y, c)));
         }
-    }
-    return max > 0 ? max : 1;
+    });
+    const float all = *std::ranges::max_element(max);
+    return all > 0 ? all : 1;
 }
 
 SearchPlan make_search_plan(std::span<const SearchView> views,

@@ -30,7 +30,9 @@ struct SearchView {
     const Image& target;
     const Image& mask;
     Exposure exposure = ExposureFactors{1, 1, 1};
-    float max_mask = 1;  ///< the largest of all views: ratios of weights matter alone
+    /// The largest weight of all views, by which weights are divided: a search does not depend on
+    /// their scale. Pixels that weigh a hundredth of it or less decide little.
+    float max_mask = 1;
 };
 
 /// The view where its exposure is known.

@@ -7,11 +7,11 @@ namespace burnish {
 
 namespace {
 
-constexpr std::uint32_t kMaxIterations = 1 << 14;
+constexpr std::uint32_t kMaxKept = 1 << 14;
 
 /// One in so many iterations is kept where there were `count` before.
 std::uint32_t stride_after(std::uint32_t count) {
-    return count < kMaxIterations ? 1 : 2 * std::bit_floor(count / kMaxIterations);
+    return count < kMaxKept ? 1 : 2 * std::bit_floor(count / kMaxKept);
 }
 
 }  // namespace
@@ -22,7 +22,7 @@ void add_iteration(const Iteration& iteration, Summary& summary) {
     const auto is_left_out = [stride = stride_after(counts.iterations)](const Iteration& i) {
         return (i.number + 1) % stride != 0;
     };
-    if (summary.iterations.size() == kMaxIterations) std::erase_if(summary.iterations, is_left_out);
+    if (summary.iterations.size() == kMaxKept) std::erase_if(summary.iterations, is_left_out);
     if (!is_left_out(iteration)) summary.iterations.push_back(iteration);
     ++counts.iterations;
     counts.paths += iteration.paths;

@@ -37,8 +37,9 @@ DrawnWeight drawn_weight(const TextureTable& textures, const ScalarInput& weight
     if (is_unknown && !unknowns.mixture.empty()) return {unknowns.mixture[0][texture], 0.5f, true};
     const float share = eval_scalar(textures, weight, uv);
     if (is_unknown) return {share, std::clamp(share, kMinChance, 1 - kMinChance), true};
-    const float sizes = std::abs(share) + std::abs(1 - share);
-    return {share, share >= 0 && share <= 1 ? share : std::abs(share) / sizes};
+    if (share >= 0 && share <= 1) return {share, share};
+    const double w = share, sizes = std::abs(w) + std::abs(1 - w);
+    return {share, static_cast<float>(std::abs(w) / sizes)};
 }
 
 /// A normal in the shading frame, of any length, and what the tangent there follows.

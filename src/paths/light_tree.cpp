@@ -89,11 +89,11 @@ Importance<T> importance(const Side<T>& side, const Vec3<T>& position) {
 /// The probability of taking side 0.
 template <class T>
 T share_of_first(const Sides<T>& sides, const Vec3<T>& position) {
-    const T zero(0.0f), one(1.0f), min_share(kMinShare);
+    const T zero(0.0f), one(1.0f), bound(kMinShare);
     const Importance<T> a = importance(sides[0], position), b = importance(sides[1], position);
     const T x = a.over * b.under, y = b.over * a.under;
     // What overflows is not a number; min and max give their second argument then.
-    const T share = max(min(x / (x + y), one - min_share), min_share);
+    const T share = max(min(x / (x + y), one - bound), bound);
     const auto first = sides[0].intensity > zero, second = sides[1].intensity > zero;
     return select(first, select(second, share, one), select(second, zero, T(0.5f)));
 }

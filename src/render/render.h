@@ -13,7 +13,7 @@
 namespace burnish {
 
 struct RenderCounts {
-    std::size_t rejected = 0;  ///< samples left out because their value was not finite
+    std::size_t rejected = 0;  ///< contributions to samples left out, not finite
 };
 
 /// The largest share of samples or contributions that may be left out, not finite: else values are

@@ -146,7 +146,7 @@ Image Renderer::render(std::uint32_t samples_per_pixel, std::uint32_t seed,
     Image picture = burnish::render(input, 0, samples_per_pixel, &counts, progress);
     constexpr const char* kReason = "values of the scene or of the textures are too large";
     const std::size_t samples = picture.values.size() / 3 * samples_per_pixel;
-    require_few_rejected(counts.rejected, samples, "samples", kReason);
+    require_few_rejected(std::min(counts.rejected, samples), samples, "samples", kReason);
     require_finite(picture, "the picture", kReason);
     return picture;
 }

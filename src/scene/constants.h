@@ -27,8 +27,9 @@ struct NamedInput {
     bool is_constant = false;
 };
 /// The bitmap or the constant that a name without a size means, by the rule of find_parameter over
-/// both. Throws InputError: the name is unknown or ambiguous, or names an input that cannot be
-/// recovered better than any that can.
+/// both; a short form means constants that the scene does not give where it fits nothing else.
+/// Throws InputError: the name is unknown or ambiguous, or names an input that cannot be recovered
+/// better than any that can.
 NamedInput find_input(const Scene& scene, const std::string& name);
 
 /// The parameter that a name means: its index in Scene::parameters. A constant becomes a texture of

@@ -66,10 +66,10 @@ PrincipledGeometry<U> principled_geometry(const Vec3<U>& wi, const Vec3<U>& wo, 
 template <class C, class S, class W>
 Ggx<S> principled_ggx(const PrincipledParameters<C, S, W>& p) {
     using U = Plain<S>;
-    const S r2 = sqr(p.roughness), min(U(0.001f));
-    if (!p.has_anisotropic) return {max(r2, min), max(r2, min)};
+    const S r2 = sqr(p.roughness), min_alpha(U(0.001f));
+    if (!p.has_anisotropic) return {max(r2, min_alpha), max(r2, min_alpha)};
     const S aspect = sqrt(U(1.0f) - U(0.9f) * p.anisotropic);
-    return {max(r2 * reciprocal(aspect), min), max(r2 * aspect, min)};
+    return {max(r2 * reciprocal(aspect), min_alpha), max(r2 * aspect, min_alpha)};
 }
 
 }  // namespace burnish

@@ -33,11 +33,11 @@ struct PrincipledThinParameters {
 
 /// eta, the rates, the bounds.
 inline BsdfConstants<float> bsdf_constants(const PrincipledThin& b) {
-    const auto min = [&](ThinScalar s) {
+    const auto bound_of = [&](ThinScalar s) {
         return min_share({b.scalars[static_cast<std::size_t>(s)].texture});
     };
-    return {{b.eta, b.rates[0], b.rates[1], b.rates[2], b.rates[3], min(ThinScalar::kSpecTrans),
-             min(ThinScalar::kDiffTrans)},
+    return {{b.eta, b.rates[0], b.rates[1], b.rates[2], b.rates[3],
+             bound_of(ThinScalar::kSpecTrans), bound_of(ThinScalar::kDiffTrans)},
             {}};
 }
 

@@ -36,8 +36,8 @@ Image gates_of(const LevelState& level) {
     return gates;
 }
 
-/// Of each gate and that of the next coarser level's texel which weighs most in its own the larger;
-/// the first where several weigh alike.
+/// Raises each gate to that of the coarser texel that it reads with the largest weight. Where
+/// several weigh alike the first counts.
 void take_larger(const Prolongation& prolongation, const ChartBorders& borders, const Image& coarse,
                  Image& gates) {
     for (int y = 0; y < gates.height; ++y) {

@@ -216,16 +216,18 @@ TEST_F(MemoryLimit, TheEstimateOfTwoRunsIsTheMostThatEitherTakes) {
 TEST_F(MemoryLimit, FilesOfTheSceneBeyondItAreRefusedBeforeTheyAreRead) {
     write_scene();
     constexpr double kBytes = 3 * 4.0 * 2400 * 2400;  // of the numbers of the picture
+    // Before anything is measured: what this process has had counts for those that it starts.
+    write_image(folder / "large.exr", make_image(2400, 2400, 3, 0.5f));
     const double small =
         peak_of("optimize scene.xml --parameter none --max-memory 0.02 -o out", 65);
-    write_image(folder / "color.exr", make_image(2400, 2400, 3, 0.5f));
+    fs::rename(folder / "large.exr", folder / "color.exr");
     const double file = static_cast<double>(fs::file_size(folder / "color.exr"));
     const std::string command =
         "optimize scene.xml --parameter roughness --init 0.5 --iterations 1 --target-spp 1 "
         "--evaluation-spp 2 -o out ";
     EXPECT_LT(peak_of(command + "--max-memory 0.02", 77), small + 0.3 * kBytes);
     const std::string refusal = read_text(folder / ".err");
-    EXPECT_TRUE(contains(refusal, "color.exr: reading it takes about 6")) << refusal;
+    EXPECT_TRUE(contains(refusal, "color.exr: reading it takes at least 6")) << refusal;
     EXPECT_TRUE(contains(refusal, " B read before it: expected --max-memory 0.1")) << refusal;
     EXPECT_TRUE(contains(refusal, "found 20.5 MiB")) << refusal;
     EXPECT_FALSE(fs::exists(folder / "out"));

@@ -118,8 +118,8 @@ TEST(Blends, PartsOfKnownWeightsCountWhatTheyHaveToBeyondTheirRange) {
             EXPECT_NEAR(1 / shown.chance, counts, 1e-3f * std::abs(counts)) << weight;
             EXPECT_TRUE(is_within ? shown.chance == 1 : shown.chance < 1) << weight;
         }
-        // What decides is a hash of the ray: six standard deviations at most.
-        EXPECT_NEAR(seconds, kRays * double{p}, 0.05 * kRays) << weight;
+        // What decides is a hash of the ray: six standard deviations.
+        EXPECT_NEAR(seconds, kRays * double{p}, 6 * std::sqrt(kRays * p * (1 - p)) + 1) << weight;
     }
 }
 
