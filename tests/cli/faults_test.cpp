@@ -327,6 +327,18 @@ TEST_F(EveryWrite, OfAMeshsSceneMayFail) {
               .stride = 5});
 }
 
+TEST_F(Injected, ALinkInTheFolderOfASceneStays) {
+    fs::create_directory(folder / "elsewhere");
+    bool fired = true;
+    for (Fault fault{1, EIO, true}; fired; fault.number += 7) {
+        fs::remove_all(folder / "out");
+        fs::create_directory(folder / "out");
+        fs::create_directory_symlink(folder / "elsewhere", folder / "out/meshes");
+        run_with(fault, "scene bowl --texture-size 16 -o " + folder.string() + "/out", fired);
+        EXPECT_TRUE(fs::is_symlink(folder / "out/meshes")) << fault.number;
+    }
+}
+
 std::string short_run(int iterations) {
     const std::string three = "--iterations 3";
     std::string arguments = kShortRun;
