@@ -87,19 +87,26 @@ def row(scene, capture, arguments, programs):
             "texture_error_of_start": search.get("error"), "texture_error_resolved": search.get("error_resolved")}
 
 
-HEAD = ["scene", "unknown", "texture error: 0.5", "start", "recovered", "resolved", "fitted", "places",
-        "skies", "iterations", "in all"]
+ERRORS = ["scene", "unknown", "texture error: 0.5", "start", "recovered", "resolved", "iterations", "in all"]
+PICTURES = ["scene", *GROUPS]
 
 
-def cells_of(r):
+def error_cells(r):
     names = [p.removesuffix(".data").rpartition(".")[2] for p in r["parameters"]]
     errors = [r["texture_errors_of_number"], [r["texture_error_of_start"]], r["texture_errors"],
               [r["texture_error_resolved"]]]
-    both = [f"{statistics.fmean(r['psnr_of_number'][g]):.1f} → {cell(r['psnr'][g])}" if g in r["psnr"] else ""
-            for g in GROUPS]
     return [r["scene"], ", ".join(names),
             *(", ".join("" if e is None else f"{e:.3f}" for e in several) for several in errors),
-            *both, str(r["iterations"]), f"{r['seconds_in_all']:.0f} s"]
+            str(r["iterations"]), f"{r['seconds_in_all']:.0f} s"]
+
+
+def picture_cells(r):
+    return [r["scene"], *(f"{statistics.fmean(r['psnr_of_number'][g]):.1f} → {cell(r['psnr'][g])}"
+                          if g in r["psnr"] else "" for g in GROUPS)]
+
+
+def tables(rows):
+    return "\n\n".join((table(ERRORS, map(error_cells, rows)), table(PICTURES, map(picture_cells, rows))))
 
 
 def markdown(results):
@@ -107,7 +114,7 @@ def markdown(results):
                       f"Commit {results['commit']}, {results['date']}, {results['machine']}; "
                       f"{results['seconds']} s of iterations for each run; *in all*: from its start until its results "
                       "are written. PSNR: the mean of the views, in brackets the least of several.", "",
-                      table(HEAD, map(cells_of, results["rows"])), ""])
+                      tables(results["rows"]), ""])
 
 
 def command_of(arguments):
@@ -151,7 +158,7 @@ def main():
         results["rows"].append(row(scene, capture, arguments, programs))
         file.write_text(json.dumps(results, indent=1) + "\n")
         (arguments.output / "recovered.md").write_text(markdown(results))
-    print(table(HEAD, map(cells_of, results["rows"])))
+    print(tables(results["rows"]))
 
 
 if __name__ == "__main__":

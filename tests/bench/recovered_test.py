@@ -19,16 +19,17 @@ ROW = {"scene": "tire", "parameters": ["mat-tire.brdf_0.roughness.data"], "itera
 
 class Table(unittest.TestCase):
     def test_a_row_tells_the_number_and_what_was_recovered(self):
-        self.assertEqual(recovered.cells_of(ROW), ["tire", "roughness", "0.413", "0.092", "0.092", "",
-                                                   "18.0 → 34.1 (32.2)", "17.1 → 31.0", "", "900", "140 s"])
+        self.assertEqual(recovered.error_cells(ROW), ["tire", "roughness", "0.413", "0.092", "0.092", "", "900", "140 s"])
+        self.assertEqual(recovered.picture_cells(ROW), ["tire", "18.0 → 34.1 (32.2)", "17.1 → 31.0", ""])
 
     def test_several_unknowns_stand_in_one_row(self):
         several = ROW | {"parameters": ["mat.base_color.data", "mat.roughness.data"], "texture_errors": [0.25, 0.125]}
-        cells = recovered.cells_of(several)
+        cells = recovered.error_cells(several)
         self.assertEqual((cells[1], cells[4]), ("base_color, roughness", "0.250, 0.125"))
 
     def test_every_cell_has_a_head(self):
-        self.assertEqual(len(recovered.cells_of(ROW)), len(recovered.HEAD))
+        self.assertEqual(len(recovered.error_cells(ROW)), len(recovered.ERRORS))
+        self.assertEqual(len(recovered.picture_cells(ROW)), len(recovered.PICTURES))
 
     def test_every_picture_is_kept(self):
         views = [{"group": "fitted", "psnr": 30}, {"group": "fitted", "psnr": 40}, {"group": "skies", "psnr": 33}]
