@@ -251,7 +251,7 @@ TEST_F(Colmap, ARunFitsItsViews) {
         {"--images photos --hold-out c.exr",
          "--hold-out: no view is named \"c.exr\": expected one of a.exr, b.exr"},
         {"--images photos --hold-out a.exr --hold-out b.exr",
-         "burnish: sparse: the problem has no view to fit"},
+         "burnish: the problem has no view to fit"},
     };
     for (const auto& [options, message] : kBad) {
         const Outcome bad = run(command + options + " -o bad");

