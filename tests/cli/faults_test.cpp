@@ -264,24 +264,20 @@ class EveryWrite : public Injected {
     std::string into_out(const std::string& arguments) const {
         return fmt::format("{} -o {}/out", arguments, folder.string());
     }
+    /// Of a run that replaces the results of another seed.
+    Replacement short_run_of(const std::string& arguments, int stride) const {
+        return {.command = into_out(arguments) + " --seed 1",
+                .earlier = into_out(arguments),
+                .goes_on = fmt::format("optimize --resume {}/out", folder.string()),
+                .calls = 60,
+                .stride = stride};
+    }
 };
 
-TEST_F(EveryWrite, OfARunMayFail) {
-    const std::string earlier = into_out(kShortRun);
-    may_fail({.command = earlier + " --seed 1",
-              .earlier = earlier,
-              .goes_on = fmt::format("optimize --resume {}/out", folder.string()),
-              .calls = 60,
-              .stride = 31});
-}
+TEST_F(EveryWrite, OfARunMayFail) { may_fail(short_run_of(kShortRun, 31)); }
 
 TEST_F(EveryWrite, OfTwoRunsMayFail) {
-    const std::string earlier = into_out(kShortRun) + " --compare mc";
-    may_fail({.command = earlier + " --seed 1",
-              .earlier = earlier,
-              .goes_on = fmt::format("optimize --resume {}/out", folder.string()),
-              .calls = 60,
-              .stride = 41});
+    may_fail(short_run_of(std::string(kShortRun) + " --compare mc", 41));
 }
 
 TEST_F(EveryWrite, OfABatchMayFail) {
