@@ -117,8 +117,7 @@ Evaluation evaluate(const Setup& setup, const Theta& theta, std::uint32_t sample
             result.views[view] = evaluate_view(setup, view, theta, half, salt, counts,
                                                progress_of_view(setup, view, progress));
     share_evaluations(setup, result.views);
-    for (const std::size_t rejected : all_values(setup.problem.ranks, counts.rejected))
-        result.rejected += rejected;
+    result.rejected = sum_over(setup.problem.ranks, counts.rejected);
     for (const std::size_t view : setup.fitted) {
         const double share = 1 / static_cast<double>(setup.fitted.size());
         result.loss += share * result.views[view].loss;

@@ -40,9 +40,7 @@ std::size_t take_step(const Setup& setup, const std::vector<SplitGradient>& grad
         descend({unknown.adam, unknown.maps, part, exchange}, usable ? *usable : gradient[i],
                 state.pyramids[i], workspace.pyramids[i], state.theta.textures[i].values);
     }
-    std::size_t all = 0;
-    for (const std::size_t count : all_values(ranks, rejected)) all += count;
-    return all;
+    return sum_over(ranks, rejected);
 }
 
 /// Work memory of the textures' size goes from view to view: one of them uses it at a time.

@@ -126,6 +126,12 @@ void require_bytes(const std::string& message, std::size_t bytes) {
                                 message.size(), bytes));
 }
 
+std::size_t sum_over(const Ranks& ranks, std::size_t count) {
+    std::size_t sum = 0;
+    for (const std::size_t own : all_values(ranks, count)) sum += own;
+    return sum;
+}
+
 int owner_of(const Ranks& ranks, std::size_t i, std::size_t count) {
     return static_cast<int>(i * static_cast<std::size_t>(ranks.count) / count);
 }

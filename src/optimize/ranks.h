@@ -91,6 +91,9 @@ std::vector<T> all_values(const Ranks& ranks, const T& value) {
     return values;
 }
 
+/// The sum of what all ranks have counted, on all of them.
+std::size_t sum_over(const Ranks& ranks, std::size_t count);
+
 /// Reads values of a message of another rank. It throws Error where they are not in it.
 inline ArchiveReader reader_of(const std::string& message) {
     return {"a message of another process", message.size(), source_of(message),
