@@ -9,8 +9,9 @@
 #include <cstdint>
 #include <cstring>
 #include <type_traits>
+#include <utility>
 
-#if defined(__AVX512F__)
+#if defined(__SSE2__)
 #include <immintrin.h>
 #endif
 
@@ -31,10 +32,6 @@ inline constexpr std::size_t kRegisters = kLanes / kRegisterLanes;
 
 template <class T>
 using Register __attribute__((vector_size(4 * kRegisterLanes))) = T;
-/// All lanes in one vector.
-template <class T>
-using Wide __attribute__((vector_size(4 * kLanes))) = T;
-
 /// To{f(0), f(1), ...}, without a loop: compilers take these apart before they unroll loops.
 template <class To, class F>
 To per_register(const F& f) {
@@ -50,7 +47,6 @@ struct Mask {
     std::array<Register<std::int32_t>, kRegisters> r{};
 
     Mask() = default;
-    explicit Mask(const Wide<std::int32_t>& lanes) { std::memcpy(&r, &lanes, sizeof r); }
     Mask(bool all_lanes) { r.fill(Register<std::int32_t>{} - (all_lanes ? 1 : 0)); }
 
     friend Mask operator&&(const Mask& a, const Mask& b) {
@@ -84,7 +80,6 @@ struct Packet {
     std::array<Register<float>, kRegisters> r{};
 
     Packet() = default;
-    explicit Packet(const Wide<float>& lanes) { std::memcpy(&r, &lanes, sizeof r); }
     /// The same number in every lane.
     template <class A>
     requires std::is_arithmetic_v<A> Packet(A x) {
@@ -159,41 +154,92 @@ inline Packet abs(const Packet& p) {
 }
 
 /// One unsigned integer per lane.
-using LaneIntegers = Wide<std::uint32_t>;
+struct LaneIntegers {
+    std::array<Register<std::uint32_t>, kRegisters> r{};
 
-/// The lanes' bits, as signed numbers.
-inline Wide<std::int32_t> bits_of(const Packet& p) {
-    Wide<std::int32_t> bits;
-    std::memcpy(&bits, &p.r, sizeof bits);
-    return bits;
+    LaneIntegers() = default;
+    /// The same number in every lane.
+    LaneIntegers(std::uint32_t n) { r.fill(Register<std::uint32_t>{} + n); }
+
+    friend LaneIntegers operator+(const LaneIntegers& a, const LaneIntegers& b) {
+        return per_register<LaneIntegers>([&](std::size_t i) { return a.r[i] + b.r[i]; });
+    }
+    friend LaneIntegers operator-(const LaneIntegers& a, const LaneIntegers& b) {
+        return per_register<LaneIntegers>([&](std::size_t i) { return a.r[i] - b.r[i]; });
+    }
+    friend LaneIntegers operator*(const LaneIntegers& a, const LaneIntegers& b) {
+        return per_register<LaneIntegers>([&](std::size_t i) { return a.r[i] * b.r[i]; });
+    }
+    friend LaneIntegers operator/(const LaneIntegers& a, const LaneIntegers& b) {
+        return per_register<LaneIntegers>([&](std::size_t i) { return a.r[i] / b.r[i]; });
+    }
+    friend LaneIntegers operator%(const LaneIntegers& a, const LaneIntegers& b) {
+        return per_register<LaneIntegers>([&](std::size_t i) { return a.r[i] % b.r[i]; });
+    }
+    friend LaneIntegers operator&(const LaneIntegers& a, const LaneIntegers& b) {
+        return per_register<LaneIntegers>([&](std::size_t i) { return a.r[i] & b.r[i]; });
+    }
+    friend LaneIntegers operator|(const LaneIntegers& a, const LaneIntegers& b) {
+        return per_register<LaneIntegers>([&](std::size_t i) { return a.r[i] | b.r[i]; });
+    }
+    friend LaneIntegers operator^(const LaneIntegers& a, const LaneIntegers& b) {
+        return per_register<LaneIntegers>([&](std::size_t i) { return a.r[i] ^ b.r[i]; });
+    }
+    friend LaneIntegers operator<<(const LaneIntegers& a, std::uint32_t bits) {
+        return per_register<LaneIntegers>([&](std::size_t i) { return a.r[i] << bits; });
+    }
+    friend LaneIntegers operator>>(const LaneIntegers& a, std::uint32_t bits) {
+        return per_register<LaneIntegers>([&](std::size_t i) { return a.r[i] >> bits; });
+    }
+    LaneIntegers& operator+=(const LaneIntegers& b) { return *this = *this + b; }
+    LaneIntegers& operator^=(const LaneIntegers& b) { return *this = *this ^ b; }
+
+    friend Mask operator==(const LaneIntegers& a, const LaneIntegers& b) {
+        return per_register<Mask>([&](std::size_t i) { return a.r[i] == b.r[i]; });
+    }
+};
+
+inline std::uint32_t get(const LaneIntegers& n, int lane) {
+    return n.r[static_cast<std::size_t>(lane / kRegisterLanes)][lane % kRegisterLanes];
 }
+inline void set(LaneIntegers& n, int lane, std::uint32_t x) {
+    n.r[static_cast<std::size_t>(lane / kRegisterLanes)][lane % kRegisterLanes] = x;
+}
+
+/// 16 consecutive integers, unaligned.
+inline LaneIntegers load(const std::uint32_t* from) {
+    LaneIntegers n;
+    std::memcpy(&n.r, from, sizeof n.r);
+    return n;
+}
+inline void store(std::uint32_t* to, const LaneIntegers& n) { std::memcpy(to, &n.r, sizeof n.r); }
 
 /// Numbers below 2^31.
 inline Packet to_floats(const LaneIntegers& n) {
     return per_register<Packet>([&](std::size_t i) {
-        Register<std::int32_t> r;
-        std::memcpy(&r, reinterpret_cast<const char*>(&n) + i * sizeof r, sizeof r);
-        return __builtin_convertvector(r, Register<float>);
+        return __builtin_convertvector(reinterpret_cast<Register<std::int32_t>>(n.r[i]),
+                                       Register<float>);
     });
 }
 
 /// Lanes in [0, 2^31), rounded down.
 inline LaneIntegers to_integers(const Packet& p) {
-    const Mask integers = per_register<Mask>(
-        [&](std::size_t i) { return __builtin_convertvector(p.r[i], Register<std::int32_t>); });
-    LaneIntegers n;
-    std::memcpy(&n, &integers.r, sizeof n);
-    return n;
+    return per_register<LaneIntegers>([&](std::size_t i) {
+        return reinterpret_cast<Register<std::uint32_t>>(
+            __builtin_convertvector(p.r[i], Register<std::int32_t>));
+    });
 }
 
 /// from[index] of each lane; index below 2^31.
 inline Packet gather(const float* from, const LaneIntegers& index) {
 #if defined(__AVX512F__)
-    return Packet(reinterpret_cast<Wide<float>>(_mm512_mask_i32gather_ps(
-        _mm512_setzero_ps(), 0xffff, reinterpret_cast<__m512i>(index), from, sizeof(float))));
+    Packet p;
+    p.r[0] = reinterpret_cast<Register<float>>(_mm512_mask_i32gather_ps(
+        _mm512_setzero_ps(), 0xffff, reinterpret_cast<__m512i>(index.r[0]), from, sizeof(float)));
+    return p;
 #else
     std::uint32_t at[kLanes];
-    std::memcpy(at, &index, sizeof at);
+    store(at, index);
     float lanes[kLanes];
     for (int i = 0; i < kLanes; ++i) lanes[i] = from[at[i]];
     return load(lanes);
@@ -208,45 +254,66 @@ Packet gather(const float* from, const Index* index) {
     return load(lanes);
 }
 
+/// Of registers a and b the lanes whose number has a bit clear, or set; those of b take the lanes
+/// whose number has it set.
+template <int kBit, bool kSet, class Lanes, int... L>
+Lanes lanes_with_bit(const Lanes& a, const Lanes& b, std::integer_sequence<int, L...>) {
+    constexpr auto source = [](int l) {
+        return (l & kBit ? kRegisterLanes : 0) + (kSet ? l | kBit : l & ~kBit);
+    };
+#if defined(__clang__)
+    return __builtin_shufflevector(a, b, source(L)...);
+#else
+    return __builtin_shuffle(a, b, Register<std::int32_t>{source(L)...});
+#endif
+}
+template <int kBit, bool kSet, class Lanes>
+Lanes lanes_with_bit(const Lanes& a, const Lanes& b) {
+    return lanes_with_bit<kBit, kSet>(a, b, std::make_integer_sequence<int, kRegisterLanes>());
+}
+
+/// As many registers as one has lanes.
+using RegisterBlock = std::array<Register<float>, kRegisterLanes>;
+
+/// Swaps a bit of the numbers of rows with that of lanes.
+template <int kBit>
+void swap_bit(RegisterBlock& rows) {
+    for (std::size_t i = 0; i < rows.size(); ++i) {
+        if (i & kBit) continue;
+        const Register<float> a = rows[i], b = rows[i | kBit];
+        rows[i] = lanes_with_bit<kBit, false>(a, b);
+        rows[i | kBit] = lanes_with_bit<kBit, true>(a, b);
+    }
+}
+
+inline void transpose(RegisterBlock& rows) {
+    swap_bit<1>(rows), swap_bit<2>(rows);
+    if constexpr (kRegisterLanes > 4) swap_bit<4>(rows);
+    if constexpr (kRegisterLanes > 8) swap_bit<8>(rows);
+}
+
 /// Sixteen packets as a matrix of 16 x 16 floats.
 using PacketBlock = std::array<Packet, kLanes>;
 
 /// Lane i of packet j becomes lane j of packet i: sixteen records of sixteen floats become sixteen
 /// packets of one field each.
 inline void transpose(PacketBlock& rows) {
-    // Four rounds of interleaving rows i and i + 8 take each element's index bits once around.
-#if defined(__clang__)
-    const auto low = [](const Wide<float>& a, const Wide<float>& b) {
-        return __builtin_shufflevector(a, b, 0, 16, 1, 17, 2, 18, 3, 19, 4, 20, 5, 21, 6, 22, 7,
-                                       23);
+    const auto take = [&](std::size_t part, std::size_t column) {
+        RegisterBlock block;
+        for (std::size_t i = 0; i < block.size(); ++i)
+            block[i] = rows[part * block.size() + i].r[column];
+        transpose(block);
+        return block;
     };
-    const auto high = [](const Wide<float>& a, const Wide<float>& b) {
-        return __builtin_shufflevector(a, b, 8, 24, 9, 25, 10, 26, 11, 27, 12, 28, 13, 29, 14, 30,
-                                       15, 31);
+    const auto put = [&](const RegisterBlock& block, std::size_t part, std::size_t column) {
+        for (std::size_t i = 0; i < block.size(); ++i)
+            rows[part * block.size() + i].r[column] = block[i];
     };
-#else
-    const auto low = [](const Wide<float>& a, const Wide<float>& b) {
-        return __builtin_shuffle(
-            a, b, Wide<std::int32_t>{0, 16, 1, 17, 2, 18, 3, 19, 4, 20, 5, 21, 6, 22, 7, 23});
-    };
-    const auto high = [](const Wide<float>& a, const Wide<float>& b) {
-        return __builtin_shuffle(
-            a, b, Wide<std::int32_t>{8, 24, 9, 25, 10, 26, 11, 27, 12, 28, 13, 29, 14, 30, 15, 31});
-    };
-#endif
-    const auto lanes_of = [](const Packet& p) {
-        Wide<float> lanes;
-        std::memcpy(&lanes, &p.r, sizeof lanes);
-        return lanes;
-    };
-    for (int round = 0; round < 4; ++round) {
-        PacketBlock next;
-        for (std::size_t i = 0; i < kLanes / 2; ++i) {
-            next[2 * i] = Packet(low(lanes_of(rows[i]), lanes_of(rows[i + kLanes / 2])));
-            next[2 * i + 1] = Packet(high(lanes_of(rows[i]), lanes_of(rows[i + kLanes / 2])));
+    for (std::size_t a = 0; a < kRegisters; ++a)
+        for (std::size_t b = a; b < kRegisters; ++b) {
+            const RegisterBlock upper = take(a, b), lower = take(b, a);
+            put(upper, b, a), put(lower, a, b);
         }
-        rows = next;
-    }
 }
 
 /// f of each lane.

@@ -6,14 +6,45 @@
 
 namespace burnish {
 
+/// The products of the even lanes, each as wide as two. (Compilers multiply all 64 bits.)
+inline Register<std::uint64_t> even_products(const Register<std::uint64_t>& a,
+                                             const Register<std::uint64_t>& b) {
+    using Words = Register<std::uint64_t>;
+#if defined(__AVX512F__)
+    return reinterpret_cast<Words>(
+        _mm512_mul_epu32(reinterpret_cast<__m512i>(a), reinterpret_cast<__m512i>(b)));
+#elif defined(__AVX2__)
+    return reinterpret_cast<Words>(
+        _mm256_mul_epu32(reinterpret_cast<__m256i>(a), reinterpret_cast<__m256i>(b)));
+#elif defined(__SSE2__) && !defined(__AVX__)
+    return reinterpret_cast<Words>(
+        _mm_mul_epu32(reinterpret_cast<__m128i>(a), reinterpret_cast<__m128i>(b)));
+#else
+    constexpr std::uint64_t kLow = 0xffffffff;
+    return (a & kLow) * (b & kLow);
+#endif
+}
+
+/// The products of all lanes.
+inline WideProduct<LaneIntegers> wide_product(const LaneIntegers& a, std::uint32_t b) {
+    using Words = Register<std::uint32_t>;
+    WideProduct<LaneIntegers> product;
+    for (std::size_t i = 0; i < kRegisters; ++i) {
+        const auto words = reinterpret_cast<Register<std::uint64_t>>(a.r[i]);
+        const Register<std::uint64_t> factor = Register<std::uint64_t>{} + b;
+        const auto even = reinterpret_cast<Words>(even_products(words, factor));
+        const auto odd = reinterpret_cast<Words>(even_products(words >> 32, factor));
+        product.low.r[i] = lanes_with_bit<1, false>(even, odd);
+        product.high.r[i] = lanes_with_bit<1, true>(even, odd);
+    }
+    return product;
+}
+
 /// philox4x32 of sixteen counters under one key.
 inline std::array<LaneIntegers, 4> philox4x32(const std::array<LaneIntegers, 4>& counter,
                                               const std::array<std::uint32_t, 2>& key) {
-    using Wide64 = std::uint64_t __attribute__((vector_size(8 * kLanes)));
     return philox_rounds(counter, key, [](std::uint32_t constant, const LaneIntegers& word) {
-        const Wide64 p = __builtin_convertvector(word, Wide64) * std::uint64_t{constant};
-        return WideProduct<LaneIntegers>{__builtin_convertvector(p >> 32, LaneIntegers),
-                                         __builtin_convertvector(p, LaneIntegers)};
+        return wide_product(word, constant);
     });
 }
 

@@ -68,7 +68,7 @@ inline constexpr SobolDirections kSobolDirections = make_sobol_directions();
 inline std::uint32_t bits_in_any_lane(std::uint32_t n) { return n; }
 inline std::uint32_t bits_in_any_lane(const LaneIntegers& n) {
     std::uint32_t bits = 0;
-    for (int lane = 0; lane < kLanes; ++lane) bits |= n[lane];
+    for (int lane = 0; lane < kLanes; ++lane) bits |= get(n, lane);
     return bits;
 }
 

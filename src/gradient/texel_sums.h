@@ -71,21 +71,21 @@ inline void add(const TexelSums& sums, TexelBand& band, const LaneIntegers& x,
     const LaneIntegers texel = block * (kSide * kSide) + y % kSide * kSide + x % kSide;
     float* values = band.values.get();
     char* dirty = band.dirty.data();
-    if (all(Mask(block == LaneIntegers{} + block[0])))  // usually: records of a tile are neighbours
-        dirty[block[0]] = 1;
+    if (all(block == get(block, 0)))  // usually: records of a tile are neighbours
+        dirty[get(block, 0)] = 1;
     else
-        for (int k = 0; k < kLanes; ++k) dirty[block[k]] = 1;
-    if (all(Mask(texel == LaneIntegers{} + texel[0]))) {
-        float* to = values + sums.channels * std::size_t{texel[0]};
+        for (int k = 0; k < kLanes; ++k) dirty[get(block, k)] = 1;
+    if (all(texel == get(texel, 0))) {
+        float* to = values + sums.channels * std::size_t{get(texel, 0)};
         for (int c = 0; c < static_cast<int>(sums.channels); ++c) to[c] += sum_of_lanes(value[c]);
         return;
     }
     if (sums.channels == 1) {
-        for (int k = 0; k < kLanes; ++k) values[texel[k]] += get(value.x, k);
+        for (int k = 0; k < kLanes; ++k) values[get(texel, k)] += get(value.x, k);
         return;
     }
     for (int k = 0; k < kLanes; ++k) {
-        float* to = values + 3 * std::size_t{texel[k]};
+        float* to = values + 3 * std::size_t{get(texel, k)};
         to[0] += get(value.x, k), to[1] += get(value.y, k), to[2] += get(value.z, k);
     }
 }

@@ -134,9 +134,9 @@ Packet survival(const Tracer& t, const Rgb<Packet>& throughput, const Packet& et
 /// Of the samples of sixteen lanes.
 Packet roulette_numbers(const Tracer& t, const ColumnIndices& samples, std::uint32_t bounce) {
     LaneIntegers pixel, iteration, pass;
-    for (std::size_t k = 0; k < kLanes; ++k) {
-        const CameraSample& c = t.samples[samples.at[k]].camera;
-        pixel[k] = c.pixel, iteration[k] = c.iteration, pass[k] = c.pass;
+    for (int k = 0; k < kLanes; ++k) {
+        const CameraSample& c = t.samples[samples.at[static_cast<std::size_t>(k)]].camera;
+        set(pixel, k, c.pixel), set(iteration, k, c.iteration), set(pass, k, c.pass);
     }
     return uniforms(t.input.key, pixel, iteration, pass, kRouletteNumbers | bounce)[0];
 }

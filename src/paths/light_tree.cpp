@@ -20,10 +20,16 @@ float high_half(std::uint32_t word) {
     return static_cast<float>(static_cast<std::int16_t>(word >> 16));
 }
 Packet low_half(const Packet& word) {
-    return Packet(__builtin_convertvector((bits_of(word) << 16) >> 16, Wide<float>));
+    return per_register<Packet>([&](std::size_t i) {
+        const auto bits = reinterpret_cast<Register<std::int32_t>>(word.r[i]);
+        return __builtin_convertvector((bits << 16) >> 16, Register<float>);
+    });
 }
 Packet high_half(const Packet& word) {
-    return Packet(__builtin_convertvector(bits_of(word) >> 16, Wide<float>));
+    return per_register<Packet>([&](std::size_t i) {
+        const auto bits = reinterpret_cast<Register<std::int32_t>>(word.r[i]);
+        return __builtin_convertvector(bits >> 16, Register<float>);
+    });
 }
 
 template <class T, class Word>

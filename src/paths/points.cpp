@@ -17,10 +17,11 @@ struct SampleNames {
 SampleNames names_of(const TraceInput& input, std::span<const BatchSample> samples,
                      const PointLanes& points, std::size_t first) {
     SampleNames names;
-    for (std::size_t k = 0; k < kLanes; ++k) {
-        const CameraSample& s = samples[points.sample[first + k]].camera;
-        names.pixel[k] = s.pixel, names.iteration[k] = s.iteration, names.pass[k] = s.pass;
-        names.film_pass[k] = film_pass(s, input.passes_per_iteration);
+    for (int k = 0; k < kLanes; ++k) {
+        const CameraSample& s = samples[points.sample[first + static_cast<std::size_t>(k)]].camera;
+        set(names.pixel, k, s.pixel), set(names.iteration, k, s.iteration);
+        set(names.pass, k, s.pass);
+        set(names.film_pass, k, film_pass(s, input.passes_per_iteration));
     }
     return names;
 }

@@ -58,9 +58,10 @@ Vec2<Packet> aperture_numbers(const TraceInput& input, std::span<const BatchSamp
                               std::size_t first) {
     if (!has_aperture(input.scene->camera)) return {Packet(0.0f), Packet(0.0f)};
     LaneIntegers pixel, iteration, pass;
-    for (std::size_t k = 0; k < kLanes; ++k) {
-        const CameraSample& s = samples[std::min(first + k, samples.size() - 1)].camera;
-        pixel[k] = s.pixel, iteration[k] = s.iteration, pass[k] = s.pass;
+    for (int k = 0; k < kLanes; ++k) {
+        const std::size_t i = std::min(first + static_cast<std::size_t>(k), samples.size() - 1);
+        const CameraSample& s = samples[i].camera;
+        set(pixel, k, s.pixel), set(iteration, k, s.iteration), set(pass, k, s.pass);
     }
     const auto u = uniforms(aperture_key(input.key), pixel, iteration, pass);
     return {u[0], u[1]};

@@ -1,6 +1,5 @@
 #include "paths/ray_columns.h"
 
-#include <cstring>
 #include <utility>
 
 namespace burnish {
@@ -28,11 +27,11 @@ LaneIntegers direction_keys(const Vec3<Packet>& direction) {
 
 /// Of each entry of the list.
 void find_keys(const ColumnVec3& direction, const ActiveList& list, Keys& keys) {
-    for (std::size_t k = 0; k < list.count; k += kLanes) {
-        using Narrow __attribute__((vector_size(2 * kLanes))) = std::uint16_t;
-        const auto narrow =
-            __builtin_convertvector(direction_keys(gather(direction, indices(list, k))), Narrow);
-        std::memcpy(&keys[k], &narrow, sizeof narrow);
+    for (std::size_t first = 0; first < list.count; first += kLanes) {
+        std::array<std::uint32_t, kLanes> wide;
+        store(wide.data(), direction_keys(gather(direction, indices(list, first))));
+        for (std::size_t k = 0; k < kLanes; ++k)
+            keys[first + k] = static_cast<std::uint16_t>(wide[k]);
     }
 }
 

@@ -7,7 +7,6 @@
 // so that rounding changes the paths by a hair and never makes two evaluations of one path differ.
 #pragma once
 
-#include <cstring>
 #include <span>
 #include <vector>
 
@@ -30,8 +29,7 @@ inline constexpr int kRecordTile = 32;
 std::uint32_t pack_direction(const Vec3f& direction);
 
 inline Vec3<Packet> unpack_directions(const std::array<std::uint32_t, kLanes>& packed) {
-    LaneIntegers words;
-    std::memcpy(&words, packed.data(), sizeof words);
+    const LaneIntegers words = load(packed.data());
     const auto centre = [](const LaneIntegers& cell, float cells) {
         return to_floats(cell) * Packet(2 / cells) + Packet(1 / cells - 1);
     };

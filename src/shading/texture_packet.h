@@ -34,7 +34,7 @@ inline Rgb<Packet> eval_bitmap(const Bitmap& bitmap, const float* values,
     const float* floats = values ? values : bitmap.codes.empty() ? bitmap.values.data() : nullptr;
     const auto decoded = [&](const LaneIntegers& at) {
         float texels[kLanes];
-        for (int k = 0; k < kLanes; ++k) texels[k] = bitmap.decode[bitmap.codes[at[k]]];
+        for (int k = 0; k < kLanes; ++k) texels[k] = bitmap.decode[bitmap.codes[get(at, k)]];
         return load(texels);
     };
     Rgb<Packet> sum{};

@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <array>
-#include <bit>
+#include <cstdint>
 
 namespace burnish {
 namespace {
@@ -101,14 +101,37 @@ TEST(Packet, TransposesAndGathers) {
 
 TEST(Packet, ConvertsIntegersExactly) {
     LaneIntegers n;
-    for (int i = 0; i < kLanes; ++i) n[i] = 0x7fffff80u >> (2 * i);  // all are floats
+    for (int i = 0; i < kLanes; ++i) set(n, i, 0x7fffff80u >> (2 * i));  // all are floats
     const Packet p = to_floats(n);
     const LaneIntegers back = to_integers(p);
-    const Wide<std::int32_t> bits = bits_of(p);
     for (int i = 0; i < kLanes; ++i) {
-        EXPECT_EQ(get(p, i), static_cast<float>(n[i]));
-        EXPECT_EQ(back[i], n[i]);
-        EXPECT_EQ(bits[i], std::bit_cast<std::int32_t>(get(p, i)));
+        EXPECT_EQ(get(p, i), static_cast<float>(get(n, i)));
+        EXPECT_EQ(get(back, i), get(n, i));
+    }
+    EXPECT_TRUE(all(back == n));
+}
+
+TEST(Packet, CountsLikeIntegers) {
+    std::array<std::uint32_t, kLanes> x, y;
+    for (std::uint32_t i = 0; i < kLanes; ++i)
+        x[i] = 0x9e3779b9u * (i + 1), y[i] = 0xbb67ae85u * (i + 3) >> i;
+    const LaneIntegers a = load(x.data()), b = load(y.data());
+    LaneIntegers sum = a, either = a;
+    sum += b, either ^= b;
+    for (int i = 0; i < kLanes; ++i) {
+        const std::uint32_t p = x[static_cast<std::size_t>(i)], q = y[static_cast<std::size_t>(i)];
+        EXPECT_EQ(get(a + b, i), p + q);
+        EXPECT_EQ(get(sum, i), p + q);
+        EXPECT_EQ(get(a - b, i), p - q);
+        EXPECT_EQ(get(a * b, i), p * q);
+        EXPECT_EQ(get(a / b, i), p / q);
+        EXPECT_EQ(get(a % b, i), p % q);
+        EXPECT_EQ(get(a & b, i), p & q);
+        EXPECT_EQ(get(a | b, i), p | q);
+        EXPECT_EQ(get(either, i), p ^ q);
+        EXPECT_EQ(get(a << 7, i), p << 7);
+        EXPECT_EQ(get(a >> 9, i), p >> 9);
+        EXPECT_EQ(get(a == LaneIntegers(x[5]), i), i == 5);
     }
 }
 

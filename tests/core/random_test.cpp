@@ -24,11 +24,14 @@ TEST(Random, PacketsAgreeWithFloats) {
     const RandomKey key{42, Stream::kImage};
     for (std::uint32_t first = 0; first < 4000; first += 1234567u % 97) {
         LaneIntegers sample, iteration, block;
-        for (std::uint32_t k = 0; k < kLanes; ++k)
-            sample[k] = first * 2654435761u + k, iteration[k] = first + 3 * k, block[k] = k % 5;
+        for (int k = 0; k < kLanes; ++k) {
+            const auto i = static_cast<std::uint32_t>(k);
+            set(sample, k, first * 2654435761u + i);
+            set(iteration, k, first + 3 * i), set(block, k, i % 5);
+        }
         const auto packed = uniforms(key, sample, iteration, block);
         for (int k = 0; k < kLanes; ++k) {
-            const auto one = uniforms(key, sample[k], iteration[k], block[k]);
+            const auto one = uniforms(key, get(sample, k), get(iteration, k), get(block, k));
             for (std::size_t c = 0; c < 4; ++c) EXPECT_EQ(get(packed[c], k), one[c]);
         }
     }

@@ -61,13 +61,15 @@ TEST(Sobol, PacketsAgreeWithFloats) {
     const RandomKey key{42, Stream::kCacheA};
     for (std::uint32_t first = 0; first < 4000; first += 41) {
         LaneIntegers sample, number;
-        for (std::uint32_t k = 0; k < kLanes; ++k)
-            sample[k] = first * 2654435761u + k, number[k] = (first + 3 * k) << (k % 21);
+        for (int k = 0; k < kLanes; ++k) {
+            const auto i = static_cast<std::uint32_t>(k);
+            set(sample, k, first * 2654435761u + i), set(number, k, (first + 3 * i) << (i % 21));
+        }
         const std::uint32_t block = first % 4;
         const auto packed = sobol_uniforms(key, sample, number, block);
         const auto fifth = sobol_fifth(key, sample, number, block);
         for (int k = 0; k < kLanes; ++k) {
-            const std::uint32_t s = sample[k], n = number[k];
+            const std::uint32_t s = get(sample, k), n = get(number, k);
             const auto one = sobol_uniforms(key, s, n, block);
             for (std::size_t c = 0; c < 4; ++c) EXPECT_EQ(get(packed[c], k), one[c]);
             EXPECT_EQ(get(fifth, k), sobol_fifth(key, s, n, block));

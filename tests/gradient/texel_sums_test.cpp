@@ -22,10 +22,11 @@ Image fill(TexelSums& sums, std::uint32_t seed) {
             LaneIntegers x{}, y{};
             Rgb<Packet> value;
             for (int k = 0; k < kLanes; ++k) {
-                x[k] = below(sums.width), y[k] = below(sums.height);
+                const std::uint32_t at_x = below(sums.width), at_y = below(sums.height);
+                set(x, k, at_x), set(y, k, at_y);
                 for (int c = 0; c < 3; ++c) set(value[c], k, random.next(-1, 1));
                 for (int c = 0; c < plain.channels; ++c)
-                    plain.at(static_cast<int>(x[k]), static_cast<int>(y[k]), c) += get(value[c], k);
+                    plain.at(static_cast<int>(at_x), static_cast<int>(at_y), c) += get(value[c], k);
             }
             add(sums, band, x, y, value);
         }

@@ -23,7 +23,7 @@ void scatter(const Bitmap& bitmap, const Block& block, const Rgb<Packet>& g, con
 Rgb<Packet> weights_of(const std::array<std::uint16_t, kLanes>& pixel,
                        const std::vector<float>& weights) {
     LaneIntegers first;
-    for (std::size_t k = 0; k < kLanes; ++k) first[k] = 3u * pixel[k];
+    for (int k = 0; k < kLanes; ++k) set(first, k, 3u * pixel[static_cast<std::size_t>(k)]);
     return {gather(&weights[0], first), gather(&weights[1], first), gather(&weights[2], first)};
 }
 
