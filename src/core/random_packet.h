@@ -6,18 +6,19 @@
 
 namespace burnish {
 
+/// Registers of half as many lanes, twice as wide.
+using DoubleWords = Register<std::uint64_t>;
+
 /// The products of the even lanes, each as wide as two. (Compilers multiply all 64 bits.)
-inline Register<std::uint64_t> even_products(const Register<std::uint64_t>& a,
-                                             const Register<std::uint64_t>& b) {
-    using Words = Register<std::uint64_t>;
+inline DoubleWords even_products(const DoubleWords& a, const DoubleWords& b) {
 #if defined(__AVX512F__)
-    return reinterpret_cast<Words>(
-        _mm512_mul_epu32(reinterpret_cast<__m512i>(a), reinterpret_cast<__m512i>(b)));
+    return reinterpret_cast<DoubleWords>(
+        _mm512_maskz_mul_epu32(0xff, reinterpret_cast<__m512i>(a), reinterpret_cast<__m512i>(b)));
 #elif defined(__AVX2__)
-    return reinterpret_cast<Words>(
+    return reinterpret_cast<DoubleWords>(
         _mm256_mul_epu32(reinterpret_cast<__m256i>(a), reinterpret_cast<__m256i>(b)));
 #elif defined(__SSE2__) && !defined(__AVX__)
-    return reinterpret_cast<Words>(
+    return reinterpret_cast<DoubleWords>(
         _mm_mul_epu32(reinterpret_cast<__m128i>(a), reinterpret_cast<__m128i>(b)));
 #else
     constexpr std::uint64_t kLow = 0xffffffff;
@@ -30,8 +31,8 @@ inline WideProduct<LaneIntegers> wide_product(const LaneIntegers& a, std::uint32
     using Words = Register<std::uint32_t>;
     WideProduct<LaneIntegers> product;
     for (std::size_t i = 0; i < kRegisters; ++i) {
-        const auto words = reinterpret_cast<Register<std::uint64_t>>(a.r[i]);
-        const Register<std::uint64_t> factor = Register<std::uint64_t>{} + b;
+        const auto words = reinterpret_cast<DoubleWords>(a.r[i]);
+        const DoubleWords factor = DoubleWords{} + b;
         const auto even = reinterpret_cast<Words>(even_products(words, factor));
         const auto odd = reinterpret_cast<Words>(even_products(words >> 32, factor));
         product.low.r[i] = lanes_with_bit<1, false>(even, odd);
