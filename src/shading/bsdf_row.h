@@ -37,12 +37,14 @@ struct BsdfConstants {
     TransmittanceTable<U> table;
 };
 
+/// The least probability of a lobe that has one.
+inline constexpr float kLobeShare = 0.05f;
+
 /// The least probability of a lobe whose weight textures set and whose directions no other lobe
 /// draws, or other lobes all too rarely, as narrow facets those of a diffuse one: where the weight
 /// is 0 its derivative needs samples all the same, and so do records that are shaded again once it
 /// has grown. 0 where no texture sets it.
 inline float min_share(std::initializer_list<TextureId> textures) {
-    constexpr float kLobeShare = 0.05f;
     const bool any = std::any_of(textures.begin(), textures.end(), [](TextureId t) { return !!t; });
     return any ? kLobeShare : 0;
 }

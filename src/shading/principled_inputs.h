@@ -11,8 +11,10 @@ inline float min_transmission(const Principled& bsdf) {
     return bsdf.has_spec_trans ? min_share({bsdf[kSpecTrans].texture, bsdf[kMetallic].texture}) : 0;
 }
 
+/// Sheen shares the directions of the diffuse lobe, but not its factor 1 - spec_trans.
 inline float min_diffuse(const Principled& bsdf) {
     using enum PrincipledScalar;
+    if (bsdf.has_sheen && bsdf.has_spec_trans) return kLobeShare;
     return min_share({bsdf[kMetallic].texture, bsdf[kSpecTrans].texture});
 }
 

@@ -16,7 +16,7 @@
 
 namespace burnish {
 
-/// The texels of one look-up, each at most once; weights are positive and add up to 1.
+/// The texels of one look-up, each at most once; weights are not negative and add up to 1.
 struct TexelFootprint {
     int count = 0;
     std::array<std::uint32_t, 4> texel{};  ///< y * width + x

@@ -5,8 +5,7 @@
 
 #include "ledger_entries.h"
 #include "random_source.h"
-#include "shading/diffuse.h"
-#include "shading/principled.h"
+#include "shading/bsdf.h"
 #include "sphere_integral.h"
 
 namespace burnish::test {
@@ -171,6 +170,24 @@ TEST(Sampling, PrincipledHasProbabilitiesBeyondItsRange) {
                         << metallic << ", " << spec_trans << ", " << clearcoat;
                     EXPECT_NEAR(l.reflection + l.transmission + l.clearcoat + l.diffuse, 1, 1e-12);
                 }
+}
+
+TEST(Sampling, SheenIsDrawnWhereAllLightPasses) {
+    Principled bsdf;
+    bsdf.has_spec_trans = bsdf.has_sheen = true;
+    BsdfInputs<double> inputs{};
+    const auto input = [&](PrincipledScalar s) -> double& {
+        return inputs[3 + static_cast<std::size_t>(s)];
+    };
+    input(PrincipledScalar::kRoughness) = 0.01;
+    input(PrincipledScalar::kSpecTrans) = input(PrincipledScalar::kSheen) = 1;
+    const auto p = bsdf_parameters(bsdf, inputs);
+    const Direction wi = from_angles(60, 0);
+    for (int theta = 5; theta < 90; theta += 5) {
+        const Direction wo = from_angles(theta, 100);
+        EXPECT_GT(eval_principled(p, wi, wo).x, 0) << theta;
+        EXPECT_GE(pdf_principled(p, wi, wo), 0.04 * wo.z / std::numbers::pi) << theta;
+    }
 }
 
 TEST(Sampling, PrincipledTellsTheIndexOfRefractionOnItsWay) {
