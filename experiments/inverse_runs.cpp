@@ -196,8 +196,9 @@ std::optional<Run> run_method(const TargetScene& scene, const Method& method,
 std::shared_ptr<const InverseRuns> make_runs(const TargetScene& scene,
                                              const ReproduceOptions& options, const GetRun& get) {
     InverseRuns runs = planned_runs(scene, options);
-    for (Method& method : runs.methods)
-        for (std::uint32_t k = 0; k < options.runs; ++k) {
+    // Method by method within a seed: the runs of a ratio see the machine at nearly the same time.
+    for (std::uint32_t k = 0; k < options.runs; ++k)
+        for (Method& method : runs.methods) {
             std::optional<Run> run = get(method, k);
             if (!run) return nullptr;
             method.runs.push_back(std::move(*run));

@@ -81,7 +81,7 @@ std::optional<Run> run_method(const TargetScene& scene, const Method& method,
 
 /// Run k of a method, made or kept; none: not now.
 using GetRun = std::function<std::optional<Run>(const Method& method, std::uint32_t k)>;
-/// The runs of all methods; null where there is none of one.
+/// The runs of all methods, asked for by k, then by method; null where there is none of one.
 std::shared_ptr<const InverseRuns> make_runs(const TargetScene& scene,
                                              const ReproduceOptions& options, const GetRun& get);
 

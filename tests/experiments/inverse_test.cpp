@@ -156,6 +156,29 @@ TEST(Inverse, AStoppedRunGoesOn) {
     }
 }
 
+// What slows the machine down for a while slows both runs of a ratio.
+TEST(Inverse, RunsOfOneSeedAreMadeOneAfterTheOther) {
+    ReproduceOptions options = test::small_options();
+    options.runs = 2;
+    const TargetScene scene = test::small_target_scene(options);
+    std::vector<std::pair<std::uint32_t, std::string>> order, expected;
+    const auto runs = make_runs(scene, options, [&](const Method& method, std::uint32_t k) {
+        order.emplace_back(k, method.name);
+        burnish::Run run;
+        run.seconds = k + 1.0;
+        return std::optional(run);
+    });
+    for (const std::uint32_t k : {0u, 1u})
+        for (const Method& m : planned_runs(scene, options).methods)
+            expected.emplace_back(k, m.name);
+    EXPECT_EQ(order, expected);
+    for (const Method& m : runs->methods) {
+        ASSERT_EQ(m.runs.size(), 2u) << m.name;
+        EXPECT_EQ(m.runs[0].seconds, 1) << m.name;
+        EXPECT_EQ(m.runs[1].seconds, 2) << m.name;
+    }
+}
+
 TEST(Inverse, GoingOnIsDecidedByWholeIntervals) {
     const RatioInterval below{0.8, 0.7, 0.89}, around{1, 0.91, 1.1}, above{1.2, 1.1, 1.3},
         noise{NAN, 0, INFINITY};
