@@ -41,7 +41,8 @@ def arguments_of():
     parser.add_argument("--size", type=int, nargs=2, default=(350, 350), metavar=("W", "H"))
     parser.add_argument("--python", help="with Mitsuba, if it is to run; without: as for the other scripts")
     parser.add_argument("--without-freezing", action="store_true", help="of Mitsuba's kernels: where that crashes")
-    parser.add_argument("--folder", type=Path, help="where scenes and targets stay, or are from an earlier run")
+    parser.add_argument("--folder", type=Path,
+                        help="where scenes and targets stay; those of an earlier run with the same options are taken")
     parser.add_argument("--build", type=Path, help="a folder with the programs; nothing is built")
     parser.add_argument("--quick", action="store_true")
     arguments = parser.parse_args()

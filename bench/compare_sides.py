@@ -1,4 +1,5 @@
 """What bench/benchmarks.py and bench/compare_mitsuba.py ask of the two renderers, scene by scene, as JSON."""
+import hashlib
 import json
 import math
 import os
@@ -74,6 +75,26 @@ def call(program, *arguments):
     return done.stdout
 
 
+def digest_of(folder):
+    """Of the files below a folder: names and bytes."""
+    total = hashlib.sha256()
+    for file in sorted(f for f in folder.rglob("*") if f.is_file()):
+        total.update(hashlib.sha256(str(file.relative_to(folder)).encode()).digest())
+        total.update(hashlib.sha256(file.read_bytes()).digest())
+    return total.hexdigest()
+
+
+def make_unless_there(file, record, made_of, make):
+    """Makes a file where it is not there or `record` says that it was made of something else. The record is written
+    last: what was stopped is made again."""
+    text = json.dumps(made_of, indent=1) + "\n"
+    if file.exists() and record.exists() and record.read_text() == text:
+        return
+    record.unlink(missing_ok=True)
+    make()
+    record.write_text(text)
+
+
 class Comparison:
     """One scene, in a folder of its own."""
 
@@ -103,13 +124,22 @@ class Comparison:
     # ---- prepare
 
     def prepare(self):
-        """The scene, and the image that both are to match, where they are not there yet."""
+        """The scene, and the image that both are to match, where those of the same are not there yet."""
         self.folder.mkdir(parents=True, exist_ok=True)
-        if self.name not in PUBLISHED and not self.file.exists():
-            call(self.program, "scene", self.name, "-o", self.file.parent, "--texture-size", self.texture_size)
-        if self.arguments.runs and not self.target.exists():
-            call(self.program, "render", self.file, *self.defines, "--size", *self.size, "-o", self.target, "--spp",
-                 self.target_spp, "--seed", 77)
+        if self.name not in PUBLISHED:
+            made_of = {"texture_size": self.texture_size}
+            make_unless_there(self.file, self.folder / "scene.json", made_of, self.make_scene)
+        if self.arguments.runs:
+            made_of = {"scene": digest_of(self.file.parent), "definitions": self.definitions, "size": self.size,
+                       "spp": self.target_spp}
+            make_unless_there(self.target, self.folder / "target.json", made_of, self.make_target)
+
+    def make_scene(self):
+        call(self.program, "scene", self.name, "-o", self.file.parent, "--texture-size", self.texture_size)
+
+    def make_target(self):
+        call(self.program, "render", self.file, *self.defines, "--size", *self.size, "-o", self.target, "--spp",
+             self.target_spp, "--seed", 77)
 
     # ---- measure
 

@@ -1,21 +1,11 @@
 """The scene of a folder of captures, and what it was made of."""
-import hashlib
 import json
 import shutil
 import subprocess
 import sys
 from pathlib import Path
 
-from compare_sides import PUBLISHED
-
-
-def digest_of(folder: Path) -> str:
-    """Of the files below a folder: names and bytes."""
-    total = hashlib.sha256()
-    for file in sorted(f for f in folder.rglob("*") if f.is_file()):
-        total.update(hashlib.sha256(str(file.relative_to(folder)).encode()).digest())
-        total.update(hashlib.sha256(file.read_bytes()).digest())
-    return total.hexdigest()
+from compare_sides import PUBLISHED, digest_of
 
 
 def source_of(name: str, arguments) -> dict:
