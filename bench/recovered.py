@@ -46,14 +46,14 @@ def parameters_of(capture, inputs):
     return [f"{material}.{name}.data" for name in inputs] if inputs else [own]
 
 
-def search_of(programs, capture, parameters, seconds):
+def search_of(programs, capture, parameters, seconds, seed):
     """What the start of such a run is and what pictures resolve: both texture errors are those of the search's own
     test."""
     if len(parameters) > 1:
         return {}
     effort = min(max(seconds / 60, 1), 4)
     return json.loads(call(programs / "bench" / "burnish_start_search", capture, *parameters, "--runs", "1",
-                           "--effort", effort))
+                           "--seed", seed, "--effort", effort))
 
 
 def judge(capture, parameters, textures, folder):
@@ -78,7 +78,7 @@ def row(scene, capture, arguments, programs):
     in_all = time.monotonic() - start
     summary = json.loads((folder / "summary.json").read_text())["result"]
     before, after = judge(capture, parameters, folder / "textures", folder)
-    search = search_of(programs, capture, parameters, arguments.seconds)
+    search = search_of(programs, capture, parameters, arguments.seconds, arguments.seed)
     return {"scene": scene, "parameters": parameters, "iterations": summary["iterations"],
             "seconds": summary["seconds"], "seconds_in_all": in_all,
             "psnr_of_number": decibels(before), "psnr": decibels(after),

@@ -2,10 +2,10 @@
 // see, of the search, of 0.5 everywhere and of what the pictures can resolve, and the seconds that
 // the search takes. One line of JSON for each number of views and seed.
 //
-//   burnish_start_search CAPTURE.json PARAMETER [--views 1 2 4 8] [--runs 3] [--effort 1]
-//                        [--judge FILE]...
-//   burnish_start_search SCENE.xml PARAMETER [--size W H] [--runs 3] [--effort 1]
-//                        [--target-spp 256] [-D name=value]... [--judge FILE]...
+//   burnish_start_search CAPTURE.json PARAMETER [--views 1 2 4 8] [--runs 3] [--seed 0]
+//                        [--effort 1] [--judge FILE]...
+//   burnish_start_search SCENE.xml PARAMETER [--size W H] [--runs 3] [--seed 0]
+//                        [--effort 1] [--target-spp 256] [-D name=value]... [--judge FILE]...
 //
 // The pictures of a scene file are rendered from its own textures. Of a capture the error counts
 // the texels that all of its fitted views see, also where fewer are searched.
@@ -76,8 +76,14 @@ std::vector<SearchView> some_views(const Pictures& p, std::size_t count) {
     return some;
 }
 
-void measure(const Pictures& p, const std::string& parameter, std::vector<std::size_t> counts,
-             std::uint32_t runs, double effort, const std::vector<std::string>& judged) {
+struct Searches {
+    std::vector<std::size_t> counts;  ///< of views; none: as many as a run searches
+    std::uint32_t runs = 3, first_seed = 0;
+    double effort = 1;
+};
+
+void measure(const Pictures& p, const std::string& parameter, Searches searches,
+             const std::vector<std::string>& judged) {
     const Scene& scene = p.renderer.data().scene();
     const TextureId texture = find_texture(scene, parameter);
     const Image truth = p.renderer.texture(parameter);
@@ -91,12 +97,13 @@ void measure(const Pictures& p, const std::string& parameter, std::vector<std::s
                   << std::endl;
     const ChartMap charts = texture_charts(scene, texture);
     const SearchUnknown unknown{texture, charts, guides_of(scene, texture, {&texture, 1})};
-    if (counts.empty()) counts = {std::min(p.views.size(), kMaxSearchViews)};
-    for (const std::size_t count : counts)
-        for (std::uint32_t seed = 0; seed < runs; ++seed) {
+    if (searches.counts.empty()) searches.counts = {std::min(p.views.size(), kMaxSearchViews)};
+    for (const std::size_t count : searches.counts)
+        for (std::uint32_t k = 0; k < searches.runs; ++k) {
+            const std::uint32_t seed = searches.first_seed + k;
             const auto views = some_views(p, std::min(count, p.views.size()));
             const Stopwatch watch;
-            const FoundStarts found = search_starts(views, {&unknown, 1}, seed, effort);
+            const FoundStarts found = search_starts(views, {&unknown, 1}, seed, searches.effort);
             nlohmann::ordered_json line{
                 {"views", views.size()},        {"seed", seed},
                 {"seconds", watch.total()},     {"error", error(found.textures[0])},
@@ -109,22 +116,23 @@ void measure(const Pictures& p, const std::string& parameter, std::vector<std::s
 
 int main(int argc, char** argv) {
     BenchScene where;
-    std::uint32_t runs = 3, target_samples = 256;
-    double effort = 1;
-    std::vector<std::size_t> counts;
+    Searches searches;
+    std::uint32_t target_samples = 256;
     CLI::App app;
     add_scene_options(app, where);
-    app.add_option("--runs", runs);
-    app.add_option("--effort", effort, "of the search: T / 60, from 1 to 4, in a run of T seconds");
+    app.add_option("--runs", searches.runs);
+    app.add_option("--seed", searches.first_seed, "of the first run; of others the next ones");
+    app.add_option("--effort", searches.effort,
+                   "of the search: T / 60, from 1 to 4, in a run of T seconds");
     app.add_option("--target-spp", target_samples);
     std::vector<std::string> judged;
     app.add_option("--judge", judged, "textures whose errors to tell, too");
-    app.add_option("--views", counts, "of a capture; else as many as a run searches");
+    app.add_option("--views", searches.counts, "of a capture; else as many as a run searches");
     CLI11_PARSE(app, argc, argv);
     try {
         measure(is_capture(where.file) ? read_pictures(where.file)
                                        : render_pictures(where, target_samples),
-                where.parameter, counts, runs, effort, judged);
+                where.parameter, searches, judged);
     } catch (const Error& e) {
         std::cerr << e.what() << "\n";
         return 1;

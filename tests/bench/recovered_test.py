@@ -75,8 +75,21 @@ class Start(unittest.TestCase):
     def test_is_searched_as_long_as_that_of_the_run(self):
         for seconds, effort in ((20, 1), (120, 2), (600, 4)):
             with mock.patch("recovered.call", return_value="{}") as call:
-                recovered.search_of(Path("build"), Path("capture.json"), ROW["parameters"], seconds)
+                recovered.search_of(Path("build"), Path("capture.json"), ROW["parameters"], seconds, 0)
             self.assertEqual(call.call_args.args[-2:], ("--effort", effort))
+
+    def test_is_searched_with_the_seed_of_the_run(self):
+        arguments = SimpleNamespace(output=Path("out"), inputs=None, seconds=60, seed=7)
+        summary = '{"result": {"iterations": 9, "seconds": 60}}'
+        judged = {"views": [], "texture_error": {"mat": 0.5}}
+        with mock.patch("recovered.call", return_value="{}") as call, \
+                mock.patch("recovered.judge", return_value=[judged] * 2), \
+                mock.patch("recovered.parameters_of", return_value=["mat"]), \
+                mock.patch("pathlib.Path.read_text", return_value=summary):
+            recovered.row("tire", Path("capture.json"), arguments, Path("build"))
+        for made in call.call_args_list:
+            self.assertEqual(made.args[made.args.index("--seed") + 1], 7)
+        self.assertEqual(len(call.call_args_list), 2)
 
 
 class Stopped(unittest.TestCase):
