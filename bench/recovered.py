@@ -8,10 +8,11 @@ defaults, judged by bench/held_out.py with Mitsuba.
                                                                      several textures of the material together
 
 CAPTURES holds SCENE/capture.json and so on. Writes FOLDER/recovered.json and FOLDER/recovered.md with commit, machine
-and date, after each scene anew: a run that was stopped goes on where it was, if nothing is changed since the commit.
-Burnish is built into build/bench.
+and date, after each scene anew: a run that was stopped goes on where it was, if nothing is changed since the commit and
+the program is the same. Burnish is built into build/bench.
 """
 import argparse
+import hashlib
 import json
 import statistics
 import sys
@@ -128,12 +129,17 @@ def command_of(arguments):
     return " ".join(parts)
 
 
+def hash_of(program):
+    return hashlib.sha256(program.read_bytes()).hexdigest()
+
+
 def earlier_rows(file, results):
-    """Of a run that was stopped. A commit does not tell what a tree with changes holds."""
+    """Of a run that was stopped. A commit does not tell what a tree with changes holds, nor what --build does."""
     if not file.exists() or not is_clean(results["commit"]):
         return []
     earlier = json.loads(file.read_text())
-    same = all(earlier.get(k) == results[k] for k in ("commit", "command", "captures", "seconds", "machine"))
+    kept = ("commit", "program", "command", "captures", "seconds", "machine")
+    same = all(earlier.get(k) == results[k] for k in kept)
     return earlier["rows"] if same else []
 
 
@@ -143,7 +149,7 @@ def main():
         build("burnish_program", "burnish_start_search")
     programs = arguments.build or BUILD
     results = {"command": command_of(arguments), "captures": str(arguments.captures.resolve()), "commit": commit(),
-               "seconds": arguments.seconds} | machine_and_date()
+               "program": hash_of(programs / "burnish"), "seconds": arguments.seconds} | machine_and_date()
     file = arguments.output / "recovered.json"
     results["rows"] = earlier_rows(file, results)
     arguments.output.mkdir(parents=True, exist_ok=True)

@@ -93,27 +93,43 @@ class Start(unittest.TestCase):
 
 
 class Stopped(unittest.TestCase):
+    def test_rows_of_another_program_are_made_again(self):
+        with tempfile.TemporaryDirectory() as name:
+            folder = Path(name)
+            (folder / "captures" / "tire").mkdir(parents=True)
+            (folder / "captures" / "tire" / "capture.json").touch()
+            command = ["recovered.py", str(folder / "captures"), "-o", str(folder / "out"), "--scenes", "tire",
+                       "--build", str(folder)]
+            with mock.patch("sys.argv", command), mock.patch("recovered.row", return_value=ROW) as row, \
+                    mock.patch("recovered.commit", return_value="a"), mock.patch("builtins.print"):
+                for program, rows in ((b"one", 1), (b"one", 1), (b"other", 2)):
+                    (folder / "burnish").write_bytes(program)
+                    recovered.main()
+                    self.assertEqual(row.call_count, rows, program)
+
     def test_rows_of_the_same_run_are_kept_and_those_of_another_are_not(self):
-        results = {"commit": "a", "command": "b", "captures": "/captures", "seconds": 120, "machine": "2 cores"}
+        results = {"commit": "a", "program": "p", "command": "b", "captures": "/captures", "seconds": 120,
+                   "machine": "2 cores"}
         with tempfile.TemporaryDirectory() as folder:
             file = Path(folder) / "recovered.json"
             self.assertEqual(recovered.earlier_rows(file, results), [])
             file.write_text(json.dumps(results | {"rows": [ROW]}))
             self.assertEqual(recovered.earlier_rows(file, results), [ROW])
-            for other in ({"commit": "c"}, {"command": "c"}, {"captures": "/c"}, {"seconds": 60}, {"machine": "4 cores"}):
+            for other in ({"commit": "c"}, {"program": "q"}, {"command": "c"}, {"captures": "/c"}, {"seconds": 60},
+                          {"machine": "4 cores"}):
                 self.assertEqual(recovered.earlier_rows(file, results | other), [], other)
 
     def test_rows_of_a_tree_that_no_commit_tells_are_made_again(self):
         with tempfile.TemporaryDirectory() as folder:
             file = Path(folder) / "recovered.json"
             for commit in ("a with changes", "unknown"):
-                results = {"commit": commit, "command": "b", "captures": "/captures", "seconds": 120,
-                           "machine": "2 cores"}
+                results = {"commit": commit, "program": "p", "command": "b", "captures": "/captures",
+                           "seconds": 120, "machine": "2 cores"}
                 file.write_text(json.dumps(results | {"rows": [ROW]}))
                 self.assertEqual(recovered.earlier_rows(file, results), [], commit)
 
     def test_rows_that_do_not_name_their_captures_are_made_again(self):
-        results = {"commit": "a", "command": "b", "seconds": 120, "machine": "2 cores"}
+        results = {"commit": "a", "program": "p", "command": "b", "seconds": 120, "machine": "2 cores"}
         with tempfile.TemporaryDirectory() as folder:
             file = Path(folder) / "recovered.json"
             file.write_text(json.dumps(results | {"rows": [ROW]}))
