@@ -150,7 +150,8 @@ std::vector<KnownTarget> find_known_scenes(const CommandLine& options) {
         targets.push_back(
             {{s.name, s.own ? "" : file, s.parameter, s.learning_rate, s.confidence_cap},
              s.own,
-             s.own ? nlohmann::json() : files_of(file.parent_path())});
+             s.own ? nlohmann::json()
+                   : files_of(file.parent_path(), {options.output, kept_folder(options.output)})});
     }
     if (!missing.empty() && (names_scenes(options) || !has_published))
         throw InputError(fmt::format(

@@ -245,12 +245,21 @@ void set_kept(const KeptResults& kept) {
                             kept.folder.string()));
 }
 
-nlohmann::json files_of(const std::filesystem::path& folder) {
+nlohmann::json files_of(const std::filesystem::path& folder,
+                        const std::vector<std::filesystem::path>& left_out) {
+    const auto is_left_out = [&](const std::filesystem::path& path) {
+        std::error_code ignored;  // of a folder that is not there
+        return std::ranges::any_of(left_out, [&](const std::filesystem::path& f) {
+            return std::filesystem::equivalent(path, f, ignored);
+        });
+    };
     nlohmann::json files = nlohmann::json::array();
-    for (const auto& entry : std::filesystem::recursive_directory_iterator(folder))
-        if (entry.is_regular_file())
-            files.push_back({entry.path().lexically_relative(folder).string(),
-                             hash_of(read_bytes(entry.path()))});
+    for (auto at = std::filesystem::recursive_directory_iterator(folder); at != end(at); ++at) {
+        if (at->is_directory() && is_left_out(at->path())) at.disable_recursion_pending();
+        if (at->is_regular_file())
+            files.push_back(
+                {at->path().lexically_relative(folder).string(), hash_of(read_bytes(at->path()))});
+    }
     std::sort(files.begin(), files.end());
     return files;
 }

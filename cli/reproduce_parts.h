@@ -19,9 +19,10 @@ struct KnownTarget {
     nlohmann::json files = {};  ///< all that the scene may read, see files_of; none of an own one
 };
 
-/// The files below a folder, with hashes of their bytes: they tell whether a scene has changed.
-/// Throws InputError: one cannot be read.
-nlohmann::json files_of(const std::filesystem::path& folder);
+/// The files below a folder, with hashes of their bytes: they tell whether a scene has changed. Not
+/// those below a folder within it that is left out. Throws InputError: one cannot be read.
+nlohmann::json files_of(const std::filesystem::path& folder,
+                        const std::vector<std::filesystem::path>& left_out = {});
 
 struct Part {
     const Experiment* experiment;

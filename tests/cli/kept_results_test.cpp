@@ -178,6 +178,20 @@ TEST_F(KeptResultsTest, FilesOfASceneCountByTheirBytes) {
     EXPECT_NE(files_of(folder / "elsewhere"), files);
 }
 
+TEST_F(KeptResultsTest, FoldersThatAreLeftOutDoNotCount) {
+    std::filesystem::create_directories(folder / "scene/report/textures");
+    std::filesystem::create_directories(folder / "scene/reports");
+    for (const char* name :
+         {"scene.xml", "report/index.html", "report/textures/a.exr", "reports/b"})
+        write_text(folder / "scene" / name, "text");
+    const nlohmann::json files =
+        files_of(folder / "scene", {folder / "scene/./report/", folder / "missing"});
+    ASSERT_EQ(files.size(), 2u) << files;
+    EXPECT_EQ(files[0][0], "reports/b");
+    EXPECT_EQ(files[1][0], "scene.xml");
+    EXPECT_EQ(files_of(folder / "scene", {folder / "scene"}).size(), 4u) << "it is the scene's own";
+}
+
 TEST_F(KeptResultsTest, DamagedFilesAreMadeAgain) {
     keep(kept, "a", 1, image_with(1));
     const auto file = std::filesystem::directory_iterator(kept.folder)->path();

@@ -66,6 +66,19 @@ TEST_F(Reproduce, RunsOfAnotherNumberOfThreadsAreMadeAgain) {
     EXPECT_EQ(count_kept("goblet-run"), 50);
 }
 
+TEST_F(Reproduce, AReportBelowItsSceneIsNoFileOfTheScene) {
+    ASSERT_EQ(run("scene goblet -o scenes/tire --texture-size 16").code, 0);
+    const fs::path scene = folder / "scenes/tire/scene.xml";
+    write_text(scene, std::regex_replace(read_text(scene), std::regex("mat-goblet"), "mat-tire"));
+    const std::string command =
+        "reproduce derivatives -o scenes/tire/r --scenes scenes --scene tire --size 16 16 "
+        "--time-scale 0.01";
+    ASSERT_EQ(run(command).code, 0);
+    const Outcome again = run(command);
+    ASSERT_EQ(again.code, 0) << again.err;
+    EXPECT_TRUE(contains(again.err, "1 of 1 parts are kept")) << again.err;
+}
+
 TEST_F(Reproduce, ImagesAreOfFreshSamplesWhereThatIsAsked) {
     const std::string command =
         "reproduce derivatives -o r --scene goblet --size 16 16 --time-scale 0.01";
