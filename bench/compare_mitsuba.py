@@ -9,12 +9,12 @@ SCENES_DIR holds NAME/scene.xml of the published scenes; the project's own (gobl
 way. Mitsuba comes from PyPI into its own virtual environment (build/mitsuba) on the first run; Burnish is built into
 build/bench.
 
-Stages: seconds of a 32-spp image, of a 1-spp derivative, of a whole iteration (image, loss, derivative, Adam), and
-peak memory. With --runs: the error of the derivative after 20 iterations of pgris, at equal time of that stage;
-the loss after so many seconds of iterations, for both with their best split of image and derivative samples (32+1, 8+4,
-4+4 or 2+2), the same loss, learning rate, target and starting texture; and the seconds that each needs to reach the
-larger of the two losses. Textures of both are evaluated by Burnish with samples of their own, derivatives against a
-converged one.
+Stages: seconds of a 32-spp image, of a 1-spp derivative, of a whole iteration (image, loss, derivative, Adam), and peak
+memory. With --runs: the error of the derivative after 20 iterations of pgris, at equal time of that stage, of Mitsuba
+with `prb`, whose sampling is detached, as Burnish's; the loss after so many seconds of iterations, for both with their
+best split of image and derivative samples (32+1, 8+4, 4+4 or 2+2), the same loss, learning rate, target and starting
+texture; and the seconds that each needs to reach the larger of the two losses. Textures of both are evaluated by
+Burnish with samples of their own, derivatives against a converged one.
 
 Every split runs in the first repeat, the best one of each side in the others. Ratios are Mitsuba / Burnish: above 1
 Burnish is better; the median over the repeats with the smallest and the largest in brackets. JIT compilation is

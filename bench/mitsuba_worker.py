@@ -149,6 +149,7 @@ class Worker:
         if what == "iteration" and not hasattr(self, "steady"):
             self.steady = self.fastest_run(spp, spp_grad, 0.01)
         work = {"image": lambda: self.image(spp), "derivative": lambda: self.derivative(self.best, spp_grad),
+                "detached derivative": lambda: self.derivative("detached", spp_grad),
                 "iteration": lambda: self.steady.iterate()}[what]
         timed(work)
         return timed(work)[0]
@@ -189,8 +190,8 @@ class Worker:
         return {"moments": written, "iteration_s": float(np.median(spent)), "compile_s": compile_seconds}
 
     def derivatives(self, texture, adjoint, seconds, count, folder):
-        """`count` independent derivatives, as files, for a texture and an adjoint image; each with the most samples per
-        pixel that take no longer than `seconds`, at least one."""
+        """`count` independent detached derivatives, as files, for a texture and an adjoint image; each with the most
+        samples per pixel that take no longer than `seconds`, at least one."""
         self.params[self.parameter] = mi.TensorXf(mitsuba_scene.read_image(texture))
         self.params.update()
         self.adjoint = mi.TensorXf(mitsuba_scene.read_image(adjoint))

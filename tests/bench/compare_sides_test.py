@@ -1,4 +1,5 @@
-"""The scene and the target that bench/compare_sides.py takes again."""
+"""The scene and the target that bench/compare_sides.py takes again, and what Mitsuba's derivatives are timed by."""
+import importlib
 import sys
 import tempfile
 import unittest
@@ -73,6 +74,38 @@ class Prepare(unittest.TestCase):
 
     def test_without_runs_there_is_no_target(self):
         self.assertEqual(self.prepare(runs=None), ["scene"])
+
+
+class Derivatives(unittest.TestCase):
+    """What is measured at equal time is what set the time, though another way to differentiate is faster."""
+
+    def test_the_time_is_that_of_detached_derivatives(self):
+        comparison = compare_sides.Comparison.__new__(compare_sides.Comparison)
+        comparison.arguments = SimpleNamespace(repeats=3, estimators=["pgris"])
+        comparison.target, comparison.rate = "target.exr", 0.01
+        seconds = {"derivative": iter([1, 1, 1]), "detached derivative": iter([4, 2, 3])}
+
+        def ask(request, what=None, **_):
+            return next(seconds[what]) if request == "time" else {}
+
+        comparison.mitsuba = SimpleNamespace(ask=ask)
+        ours = {"texture": "t", "adjoint": "a", "variants": {"mc": {"seconds": [1]}}}
+        with mock.patch.object(comparison, "made", return_value="folder"), \
+                mock.patch.object(comparison, "beside", return_value=ours) as beside:
+            comparison.derivatives()
+        arguments = beside.call_args.args
+        self.assertEqual(arguments[arguments.index("--seconds") + 1], 3)
+
+    def test_files_are_of_detached_derivatives(self):
+        names = ("drjit", "mitsuba", "mitsuba_scene", "numpy")
+        with mock.patch.dict("sys.modules", {name: mock.MagicMock() for name in names}):
+            worker = importlib.import_module("mitsuba_worker").Worker.__new__(sys.modules["mitsuba_worker"].Worker)
+            worker.best, worker.parameter, worker.params, worker.shape = "attached", "p", mock.MagicMock(), (1, 1, 1)
+            with mock.patch.object(worker, "derivative") as derivative:
+                worker.time("detached derivative")
+                worker.derivatives("t", "a", 1, 2, "folder")
+            del sys.modules["mitsuba_worker"]
+        self.assertEqual({call.args[0] for call in derivative.call_args_list}, {"detached"})
 
 
 if __name__ == "__main__":
