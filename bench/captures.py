@@ -17,6 +17,7 @@ A run that was stopped goes on where it was, and one with a larger --spp adds to
 comes from the interpreter that BURNISH_MITSUBA_PYTHON names or from build/mitsuba.
 """
 import argparse
+import hashlib
 import json
 import math
 from dataclasses import dataclass
@@ -187,32 +188,59 @@ def sky_image(name: str):
 
 
 def write_json(file: Path, content: dict) -> None:
-    file.write_text(json.dumps(content, indent=1) + "\n")
+    """As a whole: one that is stopped leaves what was there."""
+    aside = file.with_suffix(".unfinished")
+    aside.write_text(json.dumps(content, indent=1) + "\n")
+    aside.replace(file)
 
 
-def passes_of(v: dict, made: dict) -> int:
-    """That its picture has; none where it was of another camera."""
-    before = made["views"].get(v["name"], {})
-    return before["passes"] if before.get("view") == v else 0
+def hash_of(file: Path) -> str:
+    return hashlib.sha256(file.read_bytes()).hexdigest()
+
+
+def record_of(v: dict, made: dict, image: Path) -> dict:
+    """Of the picture that is there: that of made.json, or the one `before` it where a run was stopped before it moved
+    its picture into place; empty: none is of it. Records without a hash are taken as they are."""
+    if not image.exists():
+        return {}
+    record, found = made["views"].get(v["name"], {}), hash_of(image)
+    while record and record.get("sha256", found) != found:
+        record = record.get("before", {})
+    return {k: value for k, value in record.items() if k != "before"}
+
+
+def write_picture(folder: Path, v: dict, made: dict, passes: int, picture: np.ndarray) -> None:
+    """And made.json, whose record tells by the hash whether the picture is there yet."""
+    image = folder / v["image"]
+    aside = image.with_name("unfinished.exr")
+    mitsuba_scene.write_image(aside, picture)
+    made["views"][v["name"]] = {"passes": passes, "view": v, "sha256": hash_of(aside),
+                                "before": record_of(v, made, image)}
+    write_json(folder / "made.json", made)
+    aside.replace(image)
+    del made["views"][v["name"]]["before"]
 
 
 def render_views(folder: Path, views: list[dict], made: dict, passes: int) -> None:
     """Adds passes to pictures that have fewer. made: what made.json says."""
+    def passes_of(v: dict) -> int:
+        """None where the picture is of another camera."""
+        record = record_of(v, made, folder / v["image"])
+        return record["passes"] if record.get("view") == v else 0
+
     for sky in [None, *skies(1)]:
         todo = [v for v in views if Path(v.get("environment", {}).get("file", "")).stem == (sky or "")
-                and passes_of(v, made) < passes]
+                and passes_of(v) < passes]
         if not todo:
             continue
         file, environment = folder / "scene" / "scene.xml", todo[0].get("environment")
         scene = mitsuba_scene.load(file, (), made["defines"], folder, environment)
         for v in todo:
-            image, before = folder / v["image"], passes_of(v, made)
+            image, before = folder / v["image"], passes_of(v)
             picture = np.mean(mitsuba_scene.render(scene, v, range(before, passes)), axis=0)
             if before:
                 picture += (mitsuba_scene.read_image(image) - picture) * (before / passes)
-            mitsuba_scene.write_image(image, picture)
-            made["views"][v["name"]] = {"passes": passes, "view": v}
-            write_json(folder / "made.json", made)
+            write_picture(folder, v, made, passes, picture)
             print(image, flush=True)
 
 
