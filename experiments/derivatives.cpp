@@ -188,7 +188,7 @@ ExperimentResult run_derivatives(TargetScenes scenes, const ReproduceOptions& op
         for (std::uint32_t k = 0; k < options.runs; ++k) {
             runs.push_back(run_variants(scene, study, options, estimate_seed(options, k), note));
             for (const Variant& v : runs.back())
-                measure(result, name, v.name.substr(0, v.name.find(':')),
+                measure(result, name, fmt::format("{}, run {}", v.name, k),
                         {v.estimate.seconds, v.error});
         }
         const auto add = [&](const std::string& metric, double value) {

@@ -117,11 +117,13 @@ EqualErrorRun compare(const TargetScene& scene, const Study& study, const Reprod
 
 void measure_row(const TargetScene& scene, const EqualError& row, double image_seconds,
                  ExperimentResult& result) {
+    std::string variant;
     const auto add = [&](const std::string& metric, double value) {
-        result.measurements.push_back(
-            {result.name, scene.source.name, variant_of(row.shift), metric, value});
+        result.measurements.push_back({result.name, scene.source.name, variant, metric, value});
     };
-    for (const EqualErrorRun& run : row.runs) {
+    for (std::size_t k = 0; k < row.runs.size(); ++k) {
+        const EqualErrorRun& run = row.runs[k];
+        variant = fmt::format("{}, run {}", variant_of(row.shift), k);
         add("nmse", run.nmse), add("derivative_seconds", run.seconds);
         add("iteration_seconds", run.seconds + image_seconds);
         const std::string at_least = run.mc.is_bound ? "_at_least" : "";
@@ -129,6 +131,7 @@ void measure_row(const TargetScene& scene, const EqualError& row, double image_s
         add("mc_seconds" + at_least, run.mc.seconds);
         add("mc_iteration_seconds" + at_least, run.mc.seconds + image_seconds);
     }
+    variant = variant_of(row.shift);
     const RatioInterval ratio = seconds_ratio(row.runs);
     const std::string metric =
         has_bound(row.runs) ? "seconds_over_those_of_mc_at_most" : "seconds_over_those_of_mc";

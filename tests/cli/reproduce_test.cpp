@@ -92,7 +92,7 @@ TEST_F(Reproduce, ImagesAreOfFreshSamplesWhereThatIsAsked) {
         EXPECT_FALSE(contains(outcome.err, "are kept from an earlier run")) << outcome.err;
         const auto results = nlohmann::json::parse(read_text(folder / "r/results.json"));
         const auto first = results.at("measurements").at(0);
-        EXPECT_EQ(first.at("variant"), "mc, 1 spp");
+        EXPECT_EQ(first.at("variant"), "mc, 1 spp, run 0");
         EXPECT_EQ(first.at("metric"), "paper_error");
         return Result{results.at("settings").at("samples per pixel of an iteration's image"),
                       first.at("value")};

@@ -11,6 +11,7 @@
 #include "experiments/experiments.h"
 #include "experiments/parameterizations.h"
 #include "experiments/small_target_scene.h"
+#include "experiments/unique_rows.h"
 
 namespace burnish {
 namespace {
@@ -54,6 +55,7 @@ AblationRun small_run() { return AblationRun(test::small_target_scene(test::smal
 
 TEST(Ablation, EveryOptionHasARowBesideTheDefault) {
     const AblationRun run = small_run();
+    test::expect_unique_rows(run.result);
     const auto nmse = run.values("nmse"), seconds = run.values("derivative_seconds");
     const auto& rows = run.result.figures.at(0).tables.at(0).rows;
     const auto has_row = [&](const std::string& name) {

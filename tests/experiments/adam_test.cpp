@@ -11,6 +11,7 @@
 #include "experiments/decay_rates.h"
 #include "experiments/experiments.h"
 #include "experiments/small_target_scene.h"
+#include "experiments/unique_rows.h"
 #include "random_source.h"
 
 namespace burnish {
@@ -79,6 +80,7 @@ TEST(Adam, LossesAreWithoutNoise) {
     std::vector<TargetScene> scenes;
     scenes.push_back(test::small_target_scene(options));
     const ExperimentResult result = run_adam(scenes, options, {[](const std::string&) {}, {}});
+    test::expect_unique_rows(result);
     std::vector<double> losses;
     for (const Measurement& m : result.measurements)
         if (m.metric == "loss") losses.push_back(m.value);

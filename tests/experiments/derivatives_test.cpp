@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <string>
 #include <utility>
@@ -10,6 +11,7 @@
 
 #include "experiments/experiments.h"
 #include "experiments/small_target_scene.h"
+#include "experiments/unique_rows.h"
 
 namespace burnish {
 namespace {
@@ -52,6 +54,22 @@ TEST(Derivatives, TheClaimIsOfMoreOfTheTree) {
           {"tree", "over four times lower than with detached sampling."}})
         EXPECT_EQ(result_under(name).figures.at(0).claim,
                   std::string("At equal time the error of the derivatives is ") + claim);
+}
+
+// Samples of mc in the time of one shift may be as many as in that of the other.
+TEST(Derivatives, RowsTellTheirRunAndTheirVariant) {
+    const ExperimentResult result = result_under("goblet");
+    test::expect_unique_rows(result);
+    for (const std::string run : {", run 0", ", run 1"})
+        for (const std::string shift : {"replay", "identity"})
+            EXPECT_EQ(std::ranges::count_if(result.measurements,
+                                            [&](const Measurement& m) {
+                                                return m.metric == "nmse" &&
+                                                       m.variant.ends_with("the time of pgris, " +
+                                                                           shift + run);
+                                            }),
+                      1)
+                << shift << run;
 }
 
 TEST(Derivatives, TheVerdictIsOfTheClaim) {

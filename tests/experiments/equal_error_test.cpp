@@ -10,6 +10,7 @@
 
 #include "experiments/experiments.h"
 #include "experiments/small_target_scene.h"
+#include "experiments/unique_rows.h"
 
 namespace burnish {
 namespace {
@@ -20,11 +21,14 @@ ExperimentResult result_of(const ReproduceOptions& options) {
     return run_equal_error(scenes, options, {[](const std::string&) {}, {}});
 }
 
+/// Of a variant, or of each of its runs.
 std::vector<double> values_of(const ExperimentResult& result, const std::string& variant,
                               const std::string& metric) {
     std::vector<double> values;
     for (const Measurement& m : result.measurements)
-        if (m.variant == variant && m.metric == metric) values.push_back(m.value);
+        if ((m.variant == variant || m.variant.starts_with(variant + ", run ")) &&
+            m.metric == metric)
+            values.push_back(m.value);
     return values;
 }
 
@@ -34,6 +38,7 @@ bool says(const Figure& f, const std::string& text) {
 
 TEST(EqualError, ItsVerdictIsThatOfTheIntervalOverRuns) {
     const ExperimentResult result = result_of(test::small_options());
+    test::expect_unique_rows(result);
     const Figure& f = result.figures.at(0);
     std::vector<RatioInterval> intervals;
     for (const char* variant : {"pgris, replay", "pgris, identity"}) {

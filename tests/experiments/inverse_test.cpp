@@ -14,6 +14,7 @@
 #include "experiments/ablation.h"
 #include "experiments/interval.h"
 #include "experiments/small_target_scene.h"
+#include "experiments/unique_rows.h"
 #include "temporary_folder.h"
 
 namespace burnish {
@@ -41,6 +42,7 @@ TEST(Inverse, RunsPassEachOfTheirBudgets) {
     scenes.push_back(test::small_target_scene(options));
     const WorkNote silent{[](const std::string&) {}, {}};
     const ExperimentResult result = run_inverse(scenes, options, silent);
+    test::expect_unique_rows(result);
 
     for (const Method& m : planned_runs(scenes[0], options).methods)
         for (const std::string run : {"run 0", "run 1"}) {
