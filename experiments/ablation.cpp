@@ -207,8 +207,8 @@ std::string caches_text(const std::vector<Row>& rows) {
     const auto first = std::find_if(rows.begin(), rows.end(), is_cache);
     std::string text = fmt::format("{} {}", first->name, nmse_text(first->numbers.error.nmse));
     for (auto r = first + 1; r != rows.end() && is_cache(*r); ++r)
-        text += fmt::format(", {} {} times that in {:.2f} times the seconds", r->name,
-                            positive_ratio_text(r->numbers.error.nmse, first->numbers.error.nmse),
+        text += fmt::format(", {} {} in {:.2f} times the seconds", r->name,
+                            multiple_text(r->numbers.error.nmse, first->numbers.error.nmse, "that"),
                             r->numbers.seconds / first->numbers.seconds);
     return text;
 }
@@ -219,51 +219,12 @@ std::string sampling_text(const std::vector<Row>& rows) {
         std::find_if(rows.begin(), rows.end(), [](const Row& r) { return r.group == kSampling; });
     const auto text = [](const char* name, const Row& adaptive, const Row& uniform) {
         return fmt::format(
-            "{} {} times the NMSE in {:.2f} times the seconds", name,
-            positive_ratio_text(adaptive.numbers.error.nmse, uniform.numbers.error.nmse),
+            "{} {} in {:.2f} times the seconds", name,
+            multiple_text(adaptive.numbers.error.nmse, uniform.numbers.error.nmse, "the NMSE"),
             adaptive.numbers.seconds / uniform.numbers.seconds);
     };
     return fmt::format("With adaptive sampling, {}, {}.", text("mc", first[0], rows[kMcRow]),
                        text("pgris", first[1], rows[kPgrisRow]));
-}
-
-/// What is left of the loss at the start, without the noise of the target; at least 0.
-double left_of(const ParameterizationStudy& s, const ParameterizationEnd& end) {
-    return std::max(0.0, end.loss - s.truth_loss) / (s.loss - s.truth_loss);
-}
-
-Table table_of(const ParameterizationStudy& s) {
-    Table table{{"parameterization, path cache", "iterations", "loss", "left", "texture error"},
-                {}};
-    table.rows.push_back({"start", "0", fmt::format("{:.4g}", s.loss), "100 %",
-                          fmt::format("{:.4g}", s.texture_error)});
-    for (const ParameterizationEnd& end : s.ends)
-        table.rows.push_back({end.name, std::to_string(end.iterations),
-                              fmt::format("{:.4g}", end.loss),
-                              fmt::format("{:.2g} %", 100 * left_of(s, end)),
-                              fmt::format("{:.4g}", end.texture_error)});
-    return table;
-}
-
-std::string text_of(const ParameterizationStudy& s, double seconds) {
-    std::string text = fmt::format("After {:g} s of the path cache", seconds);
-    for (const ParameterizationEnd& end : s.ends)
-        text += fmt::format("{} {} leaves {:.2g} % of the loss (texture error {:.3f})",
-                            &end == &s.ends.front() ? "" : ",", end.name, 100 * left_of(s, end),
-                            end.texture_error);
-    return text + fmt::format("; the texture error at the start was {:.3f}.", s.texture_error);
-}
-
-void measure(ExperimentResult& result, const std::string& scene, const ParameterizationStudy& s) {
-    for (const ParameterizationEnd& end : s.ends) {
-        const std::string variant = fmt::format("parameterization: {}", end.name);
-        result.measurements.push_back({result.name, scene, variant, "loss", end.loss});
-        result.measurements.push_back({result.name, scene, variant, "loss_left", left_of(s, end)});
-        result.measurements.push_back(
-            {result.name, scene, variant, "texture_error", end.texture_error});
-        result.measurements.push_back(
-            {result.name, scene, variant, "iterations", double(end.iterations)});
-    }
 }
 
 Figure figure_of(const TargetScene& scene, const std::vector<Row>& rows, const PartRatios& runs) {
@@ -277,8 +238,7 @@ Figure figure_of(const TargetScene& scene, const std::vector<Row>& rows, const P
         "reuse lowers it further.";
     f.measured = fmt::format(
         "NMSE of the first run: mc {}, ris {}, pris {}, gris {}, pgris {}. The error of "
-        "pgris, {}: {} of that of pris, by reuse, and {} of that of gris, by "
-        "positivization.",
+        "pgris, {}, over that of pris, by reuse: {}; over that of gris, by positivization: {}.",
         nmse(kMcRow), nmse(kRisRow), nmse(kPrisRow), nmse(kGrisRow), nmse(kPgrisRow),
         interval_text(runs.reuse.size()), text_of(reuse), text_of(positivization));
     f.verdict = verdict_of_parts(verdict_below_one(positivization), verdict_below_one(reuse));
@@ -328,8 +288,8 @@ ExperimentResult run_ablation(TargetScenes scenes, const ReproduceOptions& optio
         const ParameterizationStudy shared = study_parameterizations(scene, options, note);
         measure(result, scene.source.name, shared);
         Figure figure = figure_of(scene, rows.rows, runs);
-        figure.measured += fmt::format(" {}", text_of(shared, options.sweep_seconds));
-        figure.tables.push_back(table_of(shared));
+        figure.measured += fmt::format(" {}", parameterization_text(shared, options.sweep_seconds));
+        figure.tables.push_back(parameterization_table(shared));
         result.figures.push_back(std::move(figure));
     }
     return result;

@@ -83,7 +83,7 @@ Figure decay_figure(const TargetScene& scene, const ReproduceOptions& options, c
         "Over beta1 in [0.8, 0.95] and beta2 in [0.99, 0.9999] the method consistently outperforms "
         "the baseline, and the errors differ by less than 10 %.";
     f.measured = fmt::format(
-        "After {:.1f} s each the loss of pgris over that of mc, {}, is {} with replay and {} with "
+        "After {:g} s each the loss of pgris over that of mc, {}, is {} with replay and {} with "
         "the identity shift; it is below mc in {} of {} pairs with replay and in {} with the "
         "identity shift. The loss varies, the noise of single runs included, by {} with mc, by {} "
         "with pgris and replay, by {} with the identity shift.",

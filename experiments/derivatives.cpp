@@ -138,18 +138,17 @@ Figure figure_of(const TargetScene& scene, const Study& study, const Runs& runs)
         "At equal time the error of the derivatives is {}lower than with detached sampling.",
         is_tree ? "over four times " : "");
     f.measured = fmt::format(
-        "NMSE, as ratios, {}. At equal time of the derivative "
-        "stage (what times differ by counts: the error of mc falls with them) that of pgris with "
-        "the replay shift is {} of that of mc, with the identity shift {}; at 1 sample per pixel "
-        "each, {}. The image of an iteration takes {:.3f} s, so that at equal wall clock the same "
-        "numbers of samples fit: the image costs both the same. Beyond the paper, with the "
-        "product of error and time as the measure: that of the path cache, whose {:.3f} s hold the "
-        "image, too, is {} of that of pgris with the identity shift at {} spp, which takes {:.3f} "
-        "s.",
+        "NMSE, as ratios, {}. At equal time of the derivative stage (what times differ by counts: "
+        "the error of mc falls with them) that of pgris over that of mc is {} with the replay "
+        "shift and {} with the identity shift; at 1 sample per pixel each, {} with the replay "
+        "shift. The image of an iteration takes {:.3g} s, so that at equal wall clock the same "
+        "numbers of samples fit: the image costs both the same. Beyond the paper, with the product "
+        "of error and time as the measure: that of the path cache, whose {:.3g} s hold the image, "
+        "too, over that of pgris with the identity shift at {} spp, which takes {:.3g} s, is {}.",
         interval_text(runs.size()), text_of(replay), text_of(identity),
         text_of(nmse_ratio(runs, kReplay, kMc)), study.trajectory.image_seconds,
-        variants[kCache].estimate.seconds, text_of(ratio(kCache, kPgrisAsCache)),
-        samples_of(variants[kPgrisAsCache]), variants[kPgrisAsCache].estimate.seconds);
+        variants[kCache].estimate.seconds, samples_of(variants[kPgrisAsCache]),
+        variants[kPgrisAsCache].estimate.seconds, text_of(ratio(kCache, kPgrisAsCache)));
     f.verdict = derivatives_verdict(replay, identity, bound);
     f.why = derivatives_reason(replay, bound, f.verdict, variants[kMc].estimate.seconds,
                                samples_of(variants[kMcAsReplay]));

@@ -173,7 +173,7 @@ Figure figure_of(const TargetScene& scene, const std::vector<EqualError>& rows, 
     f.claim = "Reuse is worth many samples per pixel, so that the same error takes less time.";
     f.measured = fmt::format(
         "What mc needs in its derivative stage for the error of pgris, {}: with replay {}; with "
-        "the identity shift {}. The whole iteration adds the image, {:.3f} s, to both.",
+        "the identity shift {}. The whole iteration adds the image, {:.3g} s, to both.",
         interval_text(rows[0].runs.size()), needs_text(rows[0]), needs_text(rows[1]),
         image_seconds);
     f.verdict = verdict_of_ways(verdict_of(rows[0].runs), verdict_of(rows[1].runs));

@@ -63,6 +63,18 @@ std::string positive_ratio_text(double a, double b) {
     return text_of({.ratio = positive_ratio(a, b)});
 }
 
+std::string multiple_text(double a, double b, const std::string& what) {
+    const double ratio = positive_ratio(a, b);
+    return std::isnan(ratio) ? fmt::format("an error {}", kTooNoisy)
+                             : fmt::format("{:.2f} times {}", ratio, what);
+}
+
+std::string share_text(double share) {
+    if (std::isnan(share)) return kTooNoisy;
+    const double percent = 100 * share;
+    return percent < 10 ? fmt::format("{:.2g} %", percent) : fmt::format("{:.0f} %", percent);
+}
+
 std::string nmse_text(double error) {
     return std::isfinite(error) ? fmt::format("{:.3g}", error) : kTooNoisy;
 }

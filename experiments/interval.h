@@ -25,6 +25,10 @@ double positive_ratio(double a, double b);
 std::string text_of(const RatioInterval& interval);
 /// The same of positive_ratio(a, b), without an interval.
 std::string positive_ratio_text(double a, double b);
+/// "0.62 times WHAT", of positive_ratio(a, b), two errors; of NaN "an error too noisy to tell".
+std::string multiple_text(double a, double b, const std::string& what);
+/// "100 %", "2.5 %": two digits of a share, or all before the point; of NaN "too noisy to tell".
+std::string share_text(double share);
 /// Three digits of an NMSE; "too noisy to tell" of one that is not finite.
 std::string nmse_text(double error);
 /// "with 95 % intervals over 5 runs"; of one run "one run, no interval".

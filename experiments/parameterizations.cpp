@@ -1,7 +1,12 @@
 #include "experiments/parameterizations.h"
 
-#include <algorithm>
+#include <fmt/format.h>
 
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "experiments/interval.h"
 #include "texture/coverage.h"
 
 namespace burnish {
@@ -49,6 +54,47 @@ ParameterizationStudy study_parameterizations(const TargetScene& scene,
         study.ends.push_back({name, solver.iterations(), loss_of(solver), error_of(scene, solver)});
     }
     return study;
+}
+
+double left_of(const ParameterizationStudy& s, const ParameterizationEnd& end) {
+    const double start = s.loss - s.truth_loss;
+    return start > 0 ? std::max(0.0, end.loss - s.truth_loss) / start
+                     : std::numeric_limits<double>::quiet_NaN();
+}
+
+Table parameterization_table(const ParameterizationStudy& s) {
+    Table table{{"parameterization, path cache", "iterations", "loss", "left", "texture error"},
+                {}};
+    table.rows.push_back({"start", "0", fmt::format("{:.4g}", s.loss), share_text(1),
+                          fmt::format("{:.4g}", s.texture_error)});
+    for (const ParameterizationEnd& end : s.ends)
+        table.rows.push_back({end.name, std::to_string(end.iterations),
+                              fmt::format("{:.4g}", end.loss), share_text(left_of(s, end)),
+                              fmt::format("{:.4g}", end.texture_error)});
+    return table;
+}
+
+std::string parameterization_text(const ParameterizationStudy& s, double seconds) {
+    std::string text = fmt::format("After {:g} s of the path cache", seconds);
+    for (const ParameterizationEnd& end : s.ends) {
+        const double left = left_of(s, end);
+        text += fmt::format(
+            "{} {} leaves {} (texture error {:.3f})", &end == &s.ends.front() ? "" : ",", end.name,
+            std::isnan(left) ? "a loss too noisy to tell" : share_text(left) + " of the loss",
+            end.texture_error);
+    }
+    return text + fmt::format("; the texture error at the start was {:.3f}.", s.texture_error);
+}
+
+void measure(ExperimentResult& result, const std::string& scene, const ParameterizationStudy& s) {
+    for (const ParameterizationEnd& end : s.ends) {
+        const auto add = [&](const char* metric, double value) {
+            result.measurements.push_back(
+                {result.name, scene, fmt::format("parameterization: {}", end.name), metric, value});
+        };
+        add("loss", end.loss), add("loss_left", left_of(s, end));
+        add("texture_error", end.texture_error), add("iterations", end.iterations);
+    }
 }
 
 }  // namespace burnish

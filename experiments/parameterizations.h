@@ -25,4 +25,15 @@ ParameterizationStudy study_parameterizations(const TargetScene& scene,
                                               const ReproduceOptions& options,
                                               const WorkNote& note);
 
+/// What is left of the loss at the start, without the noise of the target, as a share of at least
+/// 0; NaN where that noise is all of it.
+double left_of(const ParameterizationStudy& study, const ParameterizationEnd& end);
+/// Start and ends, a row each.
+Table parameterization_table(const ParameterizationStudy& study);
+/// The same in a sentence. seconds: of each run.
+std::string parameterization_text(const ParameterizationStudy& study, double seconds);
+/// Appends the numbers of the ends.
+void measure(ExperimentResult& result, const std::string& scene,
+             const ParameterizationStudy& study);
+
 }  // namespace burnish

@@ -124,8 +124,9 @@ TEST(Ablation, ItsVerdictIsThatOfIntervals) {
     const Figure& f = run.result.figures.at(0);
     EXPECT_EQ(f.verdict,
               verdict_of_parts(verdict_below_one(positivization), verdict_below_one(reuse)));
-    for (const std::string& text : {text_of(reuse) + " of that of pris",
-                                    text_of(positivization) + " of that of gris", interval_text(3)})
+    for (const std::string& text :
+         {"over that of pris, by reuse: " + text_of(reuse),
+          "over that of gris, by positivization: " + text_of(positivization), interval_text(3)})
         EXPECT_NE(f.measured.find(text), std::string::npos) << text << "\n" << f.measured;
 }
 
@@ -179,6 +180,23 @@ TEST(Ablation, HasARowForEachParameterization) {
             << metric;
 }
 
+TEST(Ablation, SaysWhatParameterizationsLeaveOfTheLoss) {
+    ParameterizationStudy study{.loss = 0.5, .texture_error = 0.25, .truth_loss = 0.1, .ends = {}};
+    study.ends = {{"texels", 3, 0.5, 0.25}, {"pyramid", 4, 0.11, 0.125}};
+    EXPECT_EQ(parameterization_text(study, 0.005),
+              "After 0.005 s of the path cache texels leaves 100 % of the loss (texture error "
+              "0.250), pyramid leaves 2.5 % of the loss (texture error 0.125); the texture error "
+              "at the start was 0.250.");
+    EXPECT_EQ(parameterization_table(study).rows[1][3], "100 %");
+    study.ends[1].loss = 0.05;  // below that of the truth
+    EXPECT_EQ(left_of(study, study.ends[1]), 0);
+    study.truth_loss = 0.6;
+    EXPECT_TRUE(std::isnan(left_of(study, study.ends[0])));
+    EXPECT_EQ(parameterization_table(study).rows[1][3], "too noisy to tell");
+    EXPECT_NE(parameterization_text(study, 1).find("texels leaves a loss too noisy to tell (te"),
+              std::string::npos);
+}
+
 // The noise of an image depends on its texture: that of the truth is not that of the others.
 TEST(Ablation, LossesOfParameterizationsAreWithoutNoise) {
     ReproduceOptions options = test::small_options();
@@ -210,6 +228,8 @@ TEST(Ablation, ErrorsThatTheReferenceHidesTellNothing) {
     EXPECT_NE(f.measured.find("mc too noisy to tell, ris too noisy to tell"), std::string::npos)
         << f.measured;
     EXPECT_EQ(f.measured.find("nan"), std::string::npos) << f.measured;
+    EXPECT_EQ(f.measured.find("too noisy to tell times"), std::string::npos) << f.measured;
+    EXPECT_EQ(f.measured.find("too noisy to tell of"), std::string::npos) << f.measured;
     EXPECT_EQ(f.why, "");
 }
 

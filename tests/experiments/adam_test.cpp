@@ -168,11 +168,13 @@ TEST(Adam, ErrorsAreWithoutTheNoiseOfTheReference) {
 
 TEST(Adam, ErrorsThatTheReferenceHidesTellNothing) {
     ReproduceOptions options = test::small_options();
-    options.sweep_seconds = 0;
+    options.sweep_seconds = 0.004;
     std::vector<TargetScene> scenes;
     scenes.push_back(test::small_target_scene(options));
     scenes[0].study = test::study_of_noise(scenes[0], options);
     const ExperimentResult result = run_adam(scenes, options, {[](const std::string&) {}, {}});
+    const Figure& decay = result.figures.at(0);
+    EXPECT_TRUE(decay.measured.starts_with("After 0.004 s each the loss")) << decay.measured;
     const Figure& f = result.figures.at(1);
     EXPECT_NE(f.measured.find("reference is too noisy to tell"), std::string::npos) << f.measured;
     for (const auto& row : f.tables.at(0).rows)

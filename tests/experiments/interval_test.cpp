@@ -77,6 +77,24 @@ TEST(RatioInterval, OfLossesNeedsBothAboveZero) {
     EXPECT_EQ(verdict_below_one(ratio_interval(ratios)), Verdict::kUndecided);
 }
 
+TEST(RatioInterval, OfErrorsIsSaidAsAMultiple) {
+    EXPECT_EQ(multiple_text(1, 4, "that"), "0.25 times that");
+    EXPECT_EQ(multiple_text(-1, 4, "that"), "an error too noisy to tell");
+}
+
+TEST(RatioInterval, OfAPartIsSaidInPercent) {
+    for (const auto& [share, text] : {std::pair{1.0, "100 %"},
+                                      {1.234, "123 %"},
+                                      {0.996, "100 %"},
+                                      {0.123, "12 %"},
+                                      {0.0996, "10 %"},
+                                      {0.0251, "2.5 %"},
+                                      {0.00034, "0.034 %"},
+                                      {0.0, "0 %"},
+                                      {double{NAN}, "too noisy to tell"}})
+        EXPECT_EQ(share_text(share), text) << share;
+}
+
 TEST(RatioInterval, IsSaidOfRuns) {
     EXPECT_EQ(interval_text(5), "with 95 % intervals over 5 runs");
     EXPECT_EQ(interval_text(1), "one run, no interval");
