@@ -53,7 +53,8 @@ ImageFile decode_stb(const std::string& name, std::string_view bytes, Content co
 bool looks_like_tga(std::string_view bytes);
 /// What becomes of X, Y, Z and of chromaticities.
 enum class ExrColors { kRec709, kAsStored };
-/// Throws InputError where the header of an OpenEXR file claims more bytes than the file has.
+/// Throws InputError where the header of an OpenEXR file claims more bytes than the file has, and
+/// where its first part is deep.
 void require_exr_header(const std::filesystem::path& file);
 /// Scanline or tiled, any compression, first part. Channels R, G, B, or X, Y, Z, or Y, of one
 /// layer, or the only one.

@@ -207,6 +207,31 @@ TEST_F(DamagedImages, HeadersThatClaimMoreThanAFileHoldsAreRefused) {
         << error_of(claims);
 }
 
+/// By the header alone: the samples that its pixels claim are never counted.
+TEST_F(DamagedImages, DeepExrIsRefusedByName) {
+    using namespace std::string_literals;
+    make_exr(folder / "parts.exr", smooth_image(4, 4, 3), {3, false, 0, 0, false, 2});
+    const std::string files[] = {read_bytes(BURNISH_TEST_DATA "/../fuzz/corpus/exr/tiled.exr"),
+                                 read_bytes(folder / "parts.exr")};
+    for (const std::string& file : files)
+        for (const std::string type : {"deepscanline", "deeptile"}) {
+            const std::string attribute = "type\0string\0"s;
+            const std::size_t at = file.find(attribute) + attribute.size();
+            const auto length = static_cast<unsigned char>(file.at(at));
+            std::string deep = file, value;
+            put32(value, static_cast<std::uint32_t>(type.size()));
+            deep.replace(at, 4u + length, value + type);
+            deep[5] = static_cast<char>(deep[5] | 8);
+            const std::string expected =
+                "this EXR file is not supported: found a deep image, expected one sample of each "
+                "channel in a pixel";
+            EXPECT_NE(error_of(deep).find(expected), std::string::npos) << error_of(deep);
+            EXPECT_NE(
+                test::error_of([&] { read_image_header(write("image", deep)); }).find(expected),
+                std::string::npos);
+        }
+}
+
 TEST_F(DamagedImages, OffsetsPointAtWhatWasFound) {
     const Image image = smooth_image(20, 14, 3);
     const auto expect = [&](const std::string& bytes, std::size_t at, const std::string& what) {
