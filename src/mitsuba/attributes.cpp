@@ -41,8 +41,7 @@ void forget_attributes(Loader& loader, const Node& node, std::set<const Node*>& 
         forget_attributes(loader, target_of(loader.document, child), forgotten);
 }
 
-}  // namespace
-
+/// Where each corner of each triangle reads the bitmaps of attribute_bitmap: [3 * triangles].
 std::vector<Vec2f> attribute_uvs(std::size_t triangles) {
     const Atlas atlas = atlas_of(triangles);
     const auto at = [](std::size_t texel, std::size_t blocks) {
@@ -61,25 +60,34 @@ std::vector<Vec2f> attribute_uvs(std::size_t triangles) {
     return uvs;
 }
 
-Bitmap attribute_bitmap(const Mesh& mesh, const MeshAttribute& attribute, float scale) {
-    const Atlas atlas = atlas_of(mesh.triangles.size());
+/// Three where the attribute has three or more of them, else one.
+int channels_of(const MeshAttribute& attribute) { return attribute.channels >= 3 ? 3 : 1; }
+
+/// Of attribute_bitmap.
+std::size_t count_values(const Atlas& atlas, const MeshAttribute& attribute) {
+    return 4 * atlas.across * atlas.down * static_cast<std::size_t>(channels_of(attribute));
+}
+
+/// At least one triangle.
+Bitmap attribute_bitmap(const std::vector<Triangle>& triangles, const MeshAttribute& attribute,
+                        float scale) {
+    const Atlas atlas = atlas_of(triangles.size());
     Bitmap bitmap;
     bitmap.width = static_cast<int>(2 * atlas.across);
     bitmap.height = static_cast<int>(2 * atlas.down);
-    bitmap.channels = attribute.channels >= 3 ? 3 : 1;
+    bitmap.channels = channels_of(attribute);
     bitmap.wrap = TextureWrap::kClamp;
     bitmap.raw = bitmap.is_attribute = true;
     bitmap.file = attribute.name;
-    bitmap.values.resize(4 * atlas.across * atlas.down * static_cast<std::size_t>(bitmap.channels));
+    bitmap.values.resize(count_values(atlas, attribute));
     const auto put = [&](std::size_t x, std::size_t y, const std::array<float, 3>& value) {
         const auto channels = static_cast<std::size_t>(bitmap.channels);
         std::copy_n(value.begin(), channels, &bitmap.values[(y * 2 * atlas.across + x) * channels]);
     };
-    for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
+    for (std::size_t i = 0; i < triangles.size(); ++i) {
         std::array<std::array<float, 3>, 3> corner;
         for (std::size_t k = 0; k < 3; ++k)
-            corner[k] =
-                value_at(attribute, attribute.of_faces ? i : mesh.triangles[i].vertex[k], scale);
+            corner[k] = value_at(attribute, attribute.of_faces ? i : triangles[i].vertex[k], scale);
         std::array<float, 3> opposite;  // makes the four of them affine
         for (std::size_t c = 0; c < 3; ++c)
             opposite[c] = corner[1][c] + corner[2][c] - corner[0][c];
@@ -89,8 +97,6 @@ Bitmap attribute_bitmap(const Mesh& mesh, const MeshAttribute& attribute, float 
     }
     return bitmap;
 }
-
-namespace {
 
 /// By its name, or else by that without "_color": vertex_tint finds vertex_tint_color, and vertex
 /// the colour. nullptr: none.
@@ -102,6 +108,18 @@ const MeshAttribute* find_attribute(const std::vector<MeshAttribute>& attributes
     return nullptr;
 }
 
+/// What is there beside the scene, and the bitmap that is about to be.
+void tell_bitmap(const Loader& loader, const MeshAttribute& attribute) {
+    if (!loader.options.before_reading) return;
+    const AttributeSource& source = loader.attributes;
+    std::size_t values = count_values(atlas_of(source.triangles.size()), attribute);
+    for (const MeshAttribute& a : source.attributes) values += a.values.size();
+    loader.options.before_reading(
+        source.file,
+        static_cast<double>(values * sizeof(float) + source.triangles.size() * sizeof(Triangle)),
+        loader.kept);
+}
+
 }  // namespace
 
 Bitmap read_mesh_attribute(Loader& loader, Properties& properties) {
@@ -111,12 +129,31 @@ Bitmap read_mesh_attribute(Loader& loader, Properties& properties) {
     if (const MeshAttribute* a = find_attribute(attributes, name)) {
         loader.outside[properties.node] =
             outside_values(fmt::format("the mesh attribute \"{}\"", name), a->values, scale);
-        return attribute_bitmap(loader.attributes.mesh, *a, scale);
+        tell_bitmap(loader, *a);
+        Bitmap bitmap = attribute_bitmap(loader.attributes.triangles, *a, scale);
+        loader.kept += static_cast<double>(bitmap.values.size() * sizeof(float));
+        return bitmap;
     }
     const std::string known =
         joined(attributes, [](const MeshAttribute& a) { return "\"" + a.name + "\""; });
     fail(properties.node->place, fmt::format("the shape has no attribute \"{}\": expected {}", name,
                                              known.empty() ? "a PLY mesh that has it" : known));
+}
+
+void use_attributes(Loader& loader, const Properties& properties, Shape& shape,
+                    const std::vector<TextureId>& textures) {
+    const auto is_attribute = [&](TextureId id) {
+        const Bitmap* bitmap = bitmap_of(loader.result.scene[id]);
+        return bitmap && bitmap->is_attribute;
+    };
+    if (std::none_of(textures.begin(), textures.end(), is_attribute)) return;
+    if (!std::all_of(textures.begin(), textures.end(), is_attribute))
+        fail_unsupported(properties.node->place,
+                         "a shape whose bsdf or emitter reads a mesh attribute beside another "
+                         "texture is not supported yet: expected mesh attributes alone");
+    auto& mesh = std::get<Mesh>(shape.geometry);
+    mesh.lookup_uvs = attribute_uvs(mesh.triangles.size());
+    loader.kept += static_cast<double>(mesh.lookup_uvs.size() * sizeof(Vec2f));
 }
 
 bool reads_attribute(Loader& loader, const Node& node) {

@@ -13,15 +13,14 @@ namespace burnish::mitsuba {
 struct Loader;
 struct Properties;
 
-/// Where each corner of each triangle reads the bitmaps of attribute_bitmap: [3 * triangles].
-std::vector<Vec2f> attribute_uvs(std::size_t triangles);
-
-/// Three channels where the attribute has three or more of them, else one. At least one triangle.
-Bitmap attribute_bitmap(const Mesh& mesh, const MeshAttribute& attribute, float scale);
-
-/// The `mesh_attribute` of the shape that is being read. Throws InputError: it has none of that
-/// name.
+/// The `mesh_attribute` of the shape that is being read. Calls LoadOptions::before_reading. Throws
+/// InputError: it has none of that name.
 Bitmap read_mesh_attribute(Loader& loader, Properties& properties);
+
+/// Gives a shape the coordinates by which its textures, of its material and its emitter, find mesh
+/// attributes. Throws Unsupported where only some of them are attributes.
+void use_attributes(Loader& loader, const Properties& properties, Shape& shape,
+                    const std::vector<TextureId>& textures);
 
 /// Whether an element, or one that it refers to, reads a mesh attribute.
 bool reads_attribute(Loader& loader, const Node& node);

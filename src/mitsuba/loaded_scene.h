@@ -14,7 +14,8 @@ namespace burnish {
 
 /// What is called before a mesh or an image is read, and may throw ResourceError: its file, the
 /// bytes that reading it takes at least, and those that the scene keeps of what was read before.
-/// For a PLY or a serialized mesh once more, when the file itself has said how large its mesh is.
+/// For a PLY or a serialized mesh once more, when the file itself has said how large its mesh is,
+/// and for each attribute of a mesh that becomes a texture.
 using BeforeReading =
     std::function<void(const std::filesystem::path& file, double bytes, double before)>;
 

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <cstddef>
+#include <filesystem>
 #include <map>
 #include <string>
 #include <unordered_set>
@@ -23,9 +24,10 @@ struct ShapeGroup {
     Box box = {};  ///< around all of them
 };
 
-/// A mesh and what is known at its vertices or faces, for textures that read it.
+/// The triangles of a mesh and what is known at its vertices or faces, for textures that read it.
 struct AttributeSource {
-    Mesh mesh = {};
+    std::filesystem::path file = {};
+    std::vector<Triangle> triangles = {};
     std::vector<MeshAttribute> attributes = {};
 };
 

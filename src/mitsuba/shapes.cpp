@@ -94,7 +94,7 @@ Mesh load_mesh(Loader& loader, Properties& properties) {
     warn_of_corners(loader, properties, file, zero_normals, options.face_normals);
     if (flip_uvs)
         for (Vec2f& uv : file.mesh.uvs) uv.y = 1 - uv.y;
-    loader.attributes.attributes = std::move(file.attributes);
+    loader.attributes = {path, {}, std::move(file.attributes)};
     return finish_mesh(std::move(file.mesh), options);
 }
 
@@ -230,22 +230,6 @@ void warn_without_uv(Loader& loader, const Properties& properties, const Shape& 
                                 properties.type));
 }
 
-/// Mesh attributes are found by coordinates of their own, which all textures of the shape share.
-void use_attributes(const Loader& loader, const Properties& properties, Shape& shape,
-                    const std::vector<TextureId>& textures) {
-    const auto is_attribute = [&](TextureId id) {
-        const Bitmap* bitmap = bitmap_of(loader.result.scene[id]);
-        return bitmap && bitmap->is_attribute;
-    };
-    if (std::none_of(textures.begin(), textures.end(), is_attribute)) return;
-    if (!std::all_of(textures.begin(), textures.end(), is_attribute))
-        fail_unsupported(properties.node->place,
-                         "a shape whose bsdf or emitter reads a mesh attribute beside another "
-                         "texture is not supported yet: expected mesh attributes alone");
-    auto& mesh = std::get<Mesh>(shape.geometry);
-    mesh.lookup_uvs = attribute_uvs(mesh.triangles.size());
-}
-
 /// Nothing here scatters between surfaces.
 void refuse_media(Loader& loader, Properties& properties) {
     for (const Property* medium : take_tag(properties, "medium"))
@@ -319,7 +303,7 @@ Shape read_shape(Loader& loader, Properties& properties, bool emits) {
     if (const Mesh* mesh = mesh_of(shape.geometry)) {
         count_again(loader, *properties.node, bytes_of(*mesh));
         loader.kept += static_cast<double>(bytes_of(*mesh));
-        if (!loader.attributes.attributes.empty()) loader.attributes.mesh = *mesh;
+        if (!loader.attributes.attributes.empty()) loader.attributes.triangles = mesh->triangles;
     }
     refuse_media(loader, properties);
     forget_attributes_of(loader, properties);

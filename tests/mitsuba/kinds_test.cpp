@@ -637,6 +637,40 @@ TEST(Kinds, WhatFilesTakeIsToldBeforeTheyAreRead) {
     EXPECT_EQ(told, expected);
 }
 
+TEST(Kinds, WhatMeshAttributesTakeIsToldBeforeTheyAreMade) {
+    const TemporaryFolder folder;
+    write_text(folder, "a.ply",
+               "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\n"
+               "property float z\nproperty float r\nproperty float g\nproperty float b\n"
+               "element face 1\nproperty list uchar int vertex_indices\nend_header\n"
+               "0 0 0 1 1 1\n1 0 0 1 1 1\n1 1 0 1 1 1\n0 1 0 1 1 1\n4 0 1 2 3\n");
+    std::vector<std::pair<double, double>> told;
+    LoadOptions options;
+    options.before_reading = [&](const std::filesystem::path& file, double bytes, double before) {
+        EXPECT_EQ(file, folder.path / "a.ply");
+        told.emplace_back(bytes, before);
+    };
+    const std::string color =
+        "<texture type='mesh_attribute' name='reflectance'><string name='name' "
+        "value='vertex_color'/></texture>";
+    const std::string shape =
+        "<shape type='ply'><string name='filename' value='a.ply'/><bsdf type='blendbsdf'><float "
+        "name='weight' value='0.5'/><bsdf type='diffuse'>" +
+        color + "</bsdf><bsdf type='diffuse'>" + color + "</bsdf></bsdf></shape>";
+    const LoadedScene loaded = load_text(folder, shape + shape, options);
+    const Mesh& mesh = *mesh_of(loaded.scene.shapes.at(0).geometry);
+    const double all = static_cast<double>(bytes_of(mesh)),
+                 bitmap = 2 * 4 * 3 * sizeof(float),  // four texels for each of two triangles
+        kept = all - static_cast<double>(mesh.lookup_uvs.size() * sizeof(Vec2f)),
+                 beside = 2 * sizeof(Triangle) + 4 * 3 * sizeof(float);
+    ASSERT_EQ(told.size(), 8u);
+    using Told = std::pair<double, double>;
+    EXPECT_EQ(told[2], Told(bitmap + beside, kept));
+    EXPECT_EQ(told[3], Told(bitmap + beside, kept + bitmap));
+    EXPECT_EQ(told[4].second, all + 2 * bitmap);
+    EXPECT_EQ(told[7], Told(bitmap + beside, all + 2 * bitmap + kept + bitmap));
+}
+
 TEST(Kinds, WhatIsThrownBeforeAFileIsReadEndsTheReading) {
     const TemporaryFolder folder;
     const std::string text = scene_of_files(folder);
