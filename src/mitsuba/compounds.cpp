@@ -135,14 +135,17 @@ void begin_reading(Loader& loader, const Node& shape) {
 }
 
 void count_again(Loader& loader, const Node& shape, std::size_t bytes) {
+    if (loader.is_read_again) add_again(loader, shape, bytes);
+}
+
+void add_again(Loader& loader, const Node& node, std::size_t bytes) {
     constexpr std::size_t kMax = std::size_t{1} << 29;
-    if (!loader.is_read_again) return;
     loader.read_again += bytes;
     if (loader.read_again > kMax)
-        fail(shape.place, fmt::format("the shape is read again for each that holds it: such shapes "
-                                      "and their files take more than {} bytes, expected at most "
-                                      "as many",
-                                      kMax));
+        fail(node.place, fmt::format("the {} is read again for each that holds it: such elements "
+                                     "and their files take more than {} bytes, expected at most "
+                                     "as many",
+                                     node.tag, kMax));
 }
 
 void load_compound(Loader& loader, Properties& properties) {

@@ -62,7 +62,9 @@ struct Loader {
     std::size_t members = 0;  ///< shapes inside of others, read so far
     std::unordered_set<const Node*> shapes_read;
     bool is_read_again = false;  ///< the shape that is being read was read before
-    std::size_t read_again = 0;  ///< bytes of shapes that several hold, but for the first reading
+    std::unordered_set<const Node*> surfaces_read;  ///< bsdfs and emitters of shapes
+    bool is_bsdf_read_again = false;                ///< that of the shape was read before
+    std::size_t read_again = 0;  ///< bytes of what several shapes hold, but for the first reading
     double kept = 0;             ///< bytes of the meshes and images that were read
 };
 
@@ -95,6 +97,8 @@ Shape read_shape(Loader& loader, Properties& properties, bool emits);
 /// Both throw InputError where all these are too many.
 void begin_reading(Loader& loader, const Node& shape);
 void count_again(Loader& loader, const Node& shape, std::size_t bytes);
+/// Adds to the same bytes those of any element that is read again.
+void add_again(Loader& loader, const Node& node, std::size_t bytes);
 /// Refuses a shape with a coordinate beyond kMaxDistance: distances overflow far beyond, and
 /// nothing would be hit. The box must not be empty.
 void require_reach(const Place& place, const Box& box);

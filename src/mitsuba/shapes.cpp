@@ -245,6 +245,8 @@ void refuse_media(Loader& loader, Properties& properties) {
 std::optional<AreaEmitter> take_emitter(Loader& loader, Properties& properties) {
     const Property* found = take_only(properties, "emitter");
     if (!found) return {};
+    if (!loader.surfaces_read.insert(found->node).second)
+        add_again(loader, *found->node, size_of(*found->node));
     std::optional<AreaEmitter> emitter;
     const ShapeId id{static_cast<std::int32_t>(loader.result.scene.shapes.size())};
     read_or_leave_out(loader, "its shape does not shine",

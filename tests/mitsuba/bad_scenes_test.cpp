@@ -648,6 +648,56 @@ TEST(BadSceneFiles, MergesThatReadAMeshAgainAndAgainAreRefused) {
         << error;
 }
 
+const char* const kTriangleWithColors =
+    "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float "
+    "z\nproperty float r\nproperty float g\nproperty float b\nelement face 1\nproperty list uchar "
+    "int vertex_indices\nend_header\n0 0 0 1 1 1\n1 0 0 1 1 1\n0 1 0 1 1 1\n3 0 1 2\n";
+
+/// For each shape whose mesh attributes it reads, with all bsdfs that it refers to.
+TEST(BadSceneFiles, BsdfsThatAreReadAgainAndAgainAreRefused) {
+    const TemporaryFolder folder;
+    write_text(folder, "mesh.ply", kTriangleWithColors);
+    const auto error_with = [&](const std::string& bsdfs, int shapes) {
+        std::string text = "<bsdf type='diffuse' id='d'/>" + bsdfs;
+        for (int i = 0; i < shapes; ++i)
+            text +=
+                "<shape type='ply'><string name='filename' value='mesh.ply'/><ref id='b0'/>"
+                "</shape>";
+        return error_of(write_text(folder, "a.xml", "<scene version='3.0.0'>" + text + "</scene>"));
+    };
+    const auto chain = [](int levels, const std::string& values) {
+        const std::string last = std::to_string(levels);
+        std::string text =
+            "<bsdf type='roughplastic' id='b" + last + "'>" + values +
+            "<texture type='mesh_attribute' name='diffuse_reflectance'><string name='name' "
+            "value='vertex_color'/></texture></bsdf>";
+        for (int i = 0; i < levels; ++i)
+            text += "<bsdf type='blendbsdf' id='b" + std::to_string(i) +
+                    "'><float name='weight' value='0.5'/><ref id='d'/><ref id='b" +
+                    std::to_string(i + 1) + "'/></bsdf>";
+        return text;
+    };
+    const std::string text =
+        "<string name='none' value='" + std::string(std::size_t{1} << 20, 'x') + "'/>";
+    EXPECT_EQ(error_with(chain(100, ""), 100), "");
+    EXPECT_EQ(error_with(chain(1, text), 5), "");
+    for (const std::string& error :
+         {error_with(chain(100, ""), 4000), error_with(chain(1, text), 600)})
+        EXPECT_NE(error.find(": the bsdf is read again for each that holds it"), std::string::npos)
+            << error;
+}
+
+TEST(BadSceneFiles, ALongEmitterThatIsReadAgainAndAgainIsRefused) {
+    const TemporaryFolder folder;
+    std::string text = "<emitter type='area' id='e'>\n<string name='none' value='" +
+                       std::string(1 << 20, 'x') + "'/></emitter>";
+    for (int i = 0; i < 600; ++i) text += "<shape type='sphere'><ref id='e'/></shape>";
+    const auto file = write_text(folder, "a.xml", "<scene version='3.0.0'>" + text + "</scene>");
+    EXPECT_NE(error_of(file).find("a.xml:1:24: the emitter is read again for each that holds it"),
+              std::string::npos)
+        << error_of(file);
+}
+
 /// A value is read for each reference, so it counts before what follows is read.
 TEST(BadSceneFiles, ReferencesToMuchTextAreBounded) {
     const TemporaryFolder folder;
