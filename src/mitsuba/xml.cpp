@@ -6,6 +6,7 @@
 #include <pugixml.hpp>
 #include <set>
 #include <string_view>
+#include <system_error>
 
 #include "core/utf8.h"
 #include "image/files.h"
@@ -25,6 +26,7 @@ constexpr std::size_t kMaxIncludes = 15;  ///< nested files
 // Of a scene with all that it includes: far more than any has, little enough to give up soon.
 constexpr int kMaxElements = 1'000'000;
 constexpr std::size_t kMaxFiles = 4096, kMaxText = std::size_t{1} << 28;
+constexpr std::uintmax_t kMaxIncluded = std::uintmax_t{1} << 29;  ///< bytes of all files
 // Of <path>: each file may be looked for in all of them.
 constexpr std::size_t kMaxFolders = 1024;
 
@@ -35,6 +37,7 @@ struct Parser {
     std::vector<std::pair<Node, std::string>> aliases;
     int order = 0;
     std::size_t files = 0, text = 0;  ///< so far; text: bytes of attributes
+    std::uintmax_t included = 0;      ///< bytes so far
 };
 
 /// Offsets of the starts of lines -> places.
@@ -215,6 +218,17 @@ void read_children(Parser& parser, const Lines& lines, const pugi::xml_node& xml
     }
 }
 
+/// Before it is read.
+void add_included(Parser& parser, const fs::path& file, const Place& place) {
+    std::error_code error;
+    const std::uintmax_t size = fs::file_size(file, error);
+    if (!error) parser.included += size;  // reading it says why not
+    if (parser.included > kMaxIncluded)
+        fail(place, fmt::format("the files that the scene includes hold more than {} bytes, "
+                                "expected at most as many",
+                                kMaxIncluded));
+}
+
 Node read_file(Parser& parser, const fs::path& file, const std::string& shown, const Place* from) {
     const fs::path key = real_path(file);
     if (from && std::find(parser.open_files.begin(), parser.open_files.end(), key) !=
@@ -226,6 +240,7 @@ Node read_file(Parser& parser, const fs::path& file, const std::string& shown, c
         fail(*from, fmt::format("the scene includes more than {} files", kMaxFiles - 1));
     parser.open_files.push_back(key);
 
+    if (from) add_included(parser, file, *from);
     require_short_text(file, "a Mitsuba scene");
     const std::string text = read_text_bytes(file);
     const Lines lines(shown, text);

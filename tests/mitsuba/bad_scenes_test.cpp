@@ -738,6 +738,21 @@ TEST(BadSceneFiles, TooManyElementsAreRefused) {
     EXPECT_NE(error.find(": the scene has more than 1000000 elements"), std::string::npos) << error;
 }
 
+/// Each file is counted as often as it is included.
+TEST(BadSceneFiles, IncludedFilesOfTooManyBytesAreRefused) {
+    const TemporaryFolder folder;
+    std::string blanks = "<scene version='3.0.0'/>";
+    blanks.resize(std::size_t{1} << 25, ' ');
+    write_text(folder, "blanks.xml", blanks);
+    std::string text = "<scene version='3.0.0'>\n";
+    for (int i = 0; i < 17; ++i) text += "<include filename='blanks.xml'/>\n";
+    const std::string error = error_of(write_text(folder, "a.xml", text + "</scene>"));
+    EXPECT_NE(error.find("a.xml:18:1: the files that the scene includes hold more than 536870912 "
+                         "bytes, expected at most as many"),
+              std::string::npos)
+        << error;
+}
+
 /// Damaged scene files load or throw InputError.
 TEST(BadSceneFiles, CutAndFlippedTextNeverCrashes) {
     const TemporaryFolder folder;
