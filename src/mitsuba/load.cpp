@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cstddef>
 #include <map>
-#include <optional>
 #include <set>
 #include <string_view>
 #include <utility>
@@ -172,16 +171,6 @@ void collect_parameters(Loader& loader) {
     }
 }
 
-/// The file that a <string name="filename"> means; none where there is none, which only elements
-/// that nobody has read can name.
-std::optional<std::filesystem::path> named_file(const Document& document, const Node& node) {
-    try {
-        return resolve_file(document, node.place, attribute(node, "value"));
-    } catch (const InputError&) {
-        return {};
-    }
-}
-
 /// What stands in the place of a reference to a value.
 Node value_at(const Node& ref, const Node& target) {
     Node value = target;
@@ -228,14 +217,15 @@ bool means_nothing(const Document& document, const Node& node) {
            is_value(resolve_ref(document, node));
 }
 
-/// Resolves references, and finds the files that elements name.
+/// Resolves references, and finds the files that elements name: elements that nobody has read can
+/// name some that are not there.
 void resolve_names(const Document& document, Node& node, SceneSource& source, std::size_t& copied) {
     if (node.tag == "ref") resolve_reference(document, node, copied);
     drop_attributes(node);
     std::erase_if(node.children, [&](const Node& n) { return means_nothing(document, n); });
     if (node.tag == "string" && attribute(node, "name") == "filename")
-        if (auto file = named_file(document, node))
-            source.files.emplace(node.order, std::move(*file));
+        if (auto file = find_file(document, node.place, attribute(node, "value")); !file.empty())
+            source.files.emplace(node.order, std::move(file));
     if (node.tag == "srgb") write_linear(node);
     for (Node& child : node.children) resolve_names(document, child, source, copied);
 }

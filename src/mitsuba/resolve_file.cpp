@@ -30,7 +30,7 @@ std::vector<fs::path> candidates_of(const Document& document, const fs::path& fr
 }
 
 /// The first that is there, behind links inside of the folder of the scene; empty: none.
-fs::path find_file(const Document& document, const std::vector<fs::path>& candidates) {
+fs::path first_inside(const Document& document, const std::vector<fs::path>& candidates) {
     for (const fs::path& candidate : candidates) {
         std::error_code error;
         if (!fs::exists(candidate, error)) continue;
@@ -42,16 +42,22 @@ fs::path find_file(const Document& document, const std::vector<fs::path>& candid
 
 }  // namespace
 
+fs::path find_file(const Document& document, const Place& place, const std::string& name) {
+    if (name.empty() || name.find('\0') != std::string::npos) return {};
+    const fs::path from = fs::path(place.file).parent_path();
+    const std::pair key(from.string(), name);
+    if (const auto known = document.files.find(key); known != document.files.end())
+        return known->second;
+    return document.files[key] = first_inside(document, candidates_of(document, from, name));
+}
+
 fs::path resolve_file(const Document& document, const Place& place, const std::string& name) {
     if (name.empty() || name.find('\0') != std::string::npos)
         fail(place, "the file name is empty, expected a file");
-    const fs::path from = fs::path(place.file).parent_path();
-    const std::pair key(from.string(), name);
-    const auto known = document.files.find(key);
-    if (known != document.files.end()) return known->second;
-    const std::vector<fs::path> candidates = candidates_of(document, from, name);
-    const fs::path found = find_file(document, candidates);
-    if (!found.empty()) return document.files[key] = found;
+    const fs::path found = find_file(document, place, name);
+    if (!found.empty()) return found;
+    const std::vector<fs::path> candidates =
+        candidates_of(document, fs::path(place.file).parent_path(), name);
     if (std::none_of(candidates.begin(), candidates.end(), [&](const fs::path& candidate) {
             return is_inside(real_path(candidate), document.top_folder);
         }))

@@ -28,7 +28,7 @@ constexpr int kMaxElements = 1'000'000;
 constexpr std::size_t kMaxFiles = 4096, kMaxText = std::size_t{1} << 28;
 constexpr std::uintmax_t kMaxIncluded = std::uintmax_t{1} << 29;  ///< bytes of all files
 // Of <path>: each file may be looked for in all of them.
-constexpr std::size_t kMaxFolders = 1024;
+constexpr std::size_t kMaxFolders = 64;
 
 struct Parser {
     Document document;
@@ -144,9 +144,10 @@ void read_path(Parser& parser, const Node& path) {
     if (!fs::is_directory(status_of(folder)))
         fail(path.place,
              fmt::format("<path> names \"{:.200}\", which is no folder", attribute(path, "value")));
-    parser.document.files.clear();
     const fs::path real = real_path(folder);
     std::vector<SearchFolder>& folders = parser.document.search_folders;
+    if (!folders.empty() && folders.back().real.native() == real.native()) return;
+    parser.document.files.clear();
     const auto listed = std::find_if(folders.begin(), folders.end(), [&](const SearchFolder& f) {
         return f.real.native() == real.native();
     });

@@ -25,7 +25,7 @@ struct Document {
     std::filesystem::path top_folder;    ///< of the top-level scene: nothing outside is read
     std::filesystem::path named_folder;  ///< the same as the scene was named, behind a link another
     std::vector<SearchFolder> search_folders;  ///< in order
-    /// What resolve_file has found with these folders: the folder that names a file, and the name.
+    /// What find_file has found with these folders: the folder that names a file, and the name.
     mutable std::map<std::pair<std::string, std::string>, std::filesystem::path> files;
     std::vector<std::string> notes, warnings;
     std::size_t referred = 0;  ///< bytes of the values that references meant, as often as read
@@ -47,5 +47,8 @@ const Node& target_of(const Document& document, const Node& node);
 /// or outside the folder of the top-level scene.
 std::filesystem::path resolve_file(const Document& document, const Place& place,
                                    const std::string& name);
+/// The same; empty where that throws.
+std::filesystem::path find_file(const Document& document, const Place& place,
+                                const std::string& name);
 
 }  // namespace burnish::mitsuba

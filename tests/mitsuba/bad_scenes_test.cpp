@@ -729,6 +729,23 @@ TEST(BadSceneFiles, ManyShapesOfAMergeAreReadSoon) {
     EXPECT_LT(std::clock() - begin, 10 * CLOCKS_PER_SEC);
 }
 
+/// In all folders, links followed: 2 10^6 names where each element looks for the file anew.
+TEST(BadSceneFiles, AFileThatIsMissingIsLookedForOnce) {
+    const TemporaryFolder folder;
+    std::string text;
+    for (int i = 0; i < 60; ++i) {
+        const std::string name = "f" + std::to_string(i);
+        std::filesystem::create_directory(folder.path / name);
+        text += "<path value='" + name + "'/>";
+    }
+    for (int i = 0; i < 30'000; ++i)
+        text += "<bsdf type='null'><string name='filename' value='missing.png'/></bsdf>";
+    const auto file = write_text(folder, "a.xml", "<scene version='3.0.0'>" + text + "</scene>");
+    const std::clock_t begin = std::clock();
+    EXPECT_EQ(error_of(file), "");
+    EXPECT_LT(std::clock() - begin, 10 * CLOCKS_PER_SEC);
+}
+
 TEST(BadSceneFiles, TooManyElementsAreRefused) {
     const TemporaryFolder folder;
     std::string text = "<scene version='3.0.0'>\n";
