@@ -80,4 +80,12 @@ std::string formats::plain_bmp(const std::string& name, std::string_view bytes) 
     return plain;
 }
 
+bool formats::has_gray_palette(std::string_view plain) {
+    const std::size_t pixels = number_at(plain, 10, 4), bits = number_at(plain, 28, 2);
+    if (bits > 8) return false;
+    for (std::size_t at = pixels - (std::size_t{4} << bits); at < pixels; at += 4)
+        if (plain[at] != plain[at + 1] || plain[at] != plain[at + 2]) return false;
+    return true;
+}
+
 }  // namespace burnish

@@ -47,6 +47,8 @@ ImageFile decode_hdr(const std::string& name, std::string_view bytes, Content co
 /// A BMP file as stb_image reads it rightly: a header of 40, 108 or 124 bytes, a colour for each
 /// index, black where the file has none, and the pixels at once behind them.
 std::string plain_bmp(const std::string& name, std::string_view bytes);
+/// Whether such a file has a palette, and no colour in it but greys.
+bool has_gray_palette(std::string_view plain);
 /// BMP and TGA.
 ImageFile decode_stb(const std::string& name, std::string_view bytes, Content content);
 /// Whether the bytes look like a TGA file, which has no magic number.

@@ -107,6 +107,7 @@ ImageFile formats::decode_stb(const std::string& name, std::string_view bytes, C
     int stored = 0;
     if (!stbi_info_from_callbacks(&kCallbacks, &source, &image.width, &image.height, &stored))
         stop(source);
+    if (is_bmp && has_gray_palette(bytes)) stored = 1;
     image.channels = stored;  // gray or RGB, and alpha
     // Of a BMP whose first row is on top, the height is negative; its rows come from top to bottom.
     check_size(name, format, image.width, std::abs(static_cast<long long>(image.height)), stored);

@@ -84,6 +84,35 @@ TEST_F(BmpAndTga, BmpWithPalettes) {
         }
 }
 
+/// Of 8 bits, four pixels wide.
+std::string bmp_with_palette(const std::string& palette) {
+    const std::size_t offset = 54 + palette.size();
+    return "BM" + number(0) + number(0) + number(offset) + number(40) + number(4) + number(1) +
+           number(1 + 65536 * 8) + std::string(24, '\0') + palette +
+           std::string("\0\x64\xc8\xff", 4);
+}
+
+TEST_F(BmpAndTga, AGreyPaletteGivesOneChannel) {
+    std::string rising, falling;
+    for (int i = 0; i < 256; ++i) {
+        rising += std::string(3, static_cast<char>(i)) + '\0';
+        falling += std::string(3, static_cast<char>(255 - i)) + '\0';
+    }
+    const std::array<int, 4> indices{0, 100, 200, 255};
+    for (const bool falls : {false, true}) {
+        const auto file = write("a", bmp_with_palette(falls ? falling : rising));
+        EXPECT_EQ(read_image_header(file).image.channels, 1);
+        const Image read = read_image_file(file).image;
+        ASSERT_EQ(read.channels, 1);
+        for (int x = 0; x < 4; ++x) {
+            const int index = indices[static_cast<std::size_t>(x)];
+            EXPECT_EQ(read.at(x, 0, 0), static_cast<float>(falls ? 255 - index : index) / 255.0f);
+        }
+    }
+    rising[4 * 77] = 0;  // no pixel has the colour
+    EXPECT_EQ(read_image_file(write("a", bmp_with_palette(rising))).image.channels, 3);
+}
+
 TEST_F(BmpAndTga, TgaFromRightToLeft) {
     for (const int channels : {3, 4}) {
         const Image image = smooth_image(22, 11, channels);
