@@ -145,11 +145,12 @@ double pixels_of(const Image& image) { return double{1} * image.width * image.he
 
 /// While a file becomes an image: its bytes, and of each pixel the codes, and the numbers of the
 /// picture twice, while alpha is taken out of them or they are turned, with planes beside them.
-double decoding_bytes(const std::string& file, const Image& header) {
-    const double of_pixel = header.channels % 2 == 0 ? 44 : 32;
+double decoding_bytes(const std::string& file, const ImageFile& header) {
+    const double of_pixel = header.image.channels % 2 == 0 ? 44 : 32;
     std::error_code gone;
     const auto size = std::filesystem::file_size(file, gone);
-    return (gone ? 0 : static_cast<double>(size)) + of_pixel * pixels_of(header);
+    return (gone ? 0 : static_cast<double>(size)) + header.chunk_bytes +
+           of_pixel * pixels_of(header.image);
 }
 
 }  // namespace
@@ -158,21 +159,21 @@ PictureBytes picture_bytes(const CapturedView& view, double scale) {
     constexpr double kScaling = 36;  // means of the picture, with and without weights, and of these
     constexpr double kKept = 28;     // the picture, its mask, what is clipped
     double reading = 0, weights = 0;
-    Image header;
+    ImageFile header;
     try {
         if (!view.mask.empty()) {
-            header = read_image_header(view.mask).image;
+            header = read_image_header(view.mask);
             reading = decoding_bytes(view.mask, header);
-            weights = (header.channels < 3 ? 4 : 12) * pixels_of(header);
+            weights = (header.image.channels < 3 ? 4 : 12) * pixels_of(header.image);
         }
         if (!view.image.empty()) {
-            header = read_image_header(view.image).image;
+            header = read_image_header(view.image);
             reading = std::max(reading, weights + decoding_bytes(view.image, header));
         }
     } catch (const InputError&) {
         return {};
     }
-    const double scaled = scale * scale * pixels_of(header);
+    const double scaled = scale * scale * pixels_of(header.image);
     return {reading + (scale < 1 ? kScaling * scaled : 0), kKept * scaled};
 }
 

@@ -5,7 +5,8 @@
 #include <ImfChromaticities.h>
 #include <ImfFrameBuffer.h>
 #include <ImfHeader.h>
-#include <ImfInputFile.h>
+#include <ImfInputPart.h>
+#include <ImfMultiPartInputFile.h>
 #include <ImfOutputFile.h>
 #include <ImfStandardAttributes.h>
 #include <ImfStdIO.h>
@@ -173,6 +174,37 @@ std::uint64_t max_ratio(Imf::Compression compression) {
     }
 }
 
+/// Of a file without tiles.
+int rows_of_chunk(Imf::Compression compression) {
+    switch (compression) {
+        case Imf::ZIP_COMPRESSION:
+        case Imf::PXR24_COMPRESSION:
+            return 16;
+        case Imf::PIZ_COMPRESSION:
+        case Imf::B44_COMPRESSION:
+        case Imf::B44A_COMPRESSION:
+        case Imf::DWAA_COMPRESSION:
+            return 32;
+        case Imf::DWAB_COMPRESSION:
+            return 256;
+        default:
+            return 1;
+    }
+}
+
+/// Bytes of a chunk, which the library makes room for whole, with all channels.
+double chunk_bytes(const Imf::Header& header) {
+    const auto window = header.dataWindow();
+    double pixels = (static_cast<double>(window.max.x) - window.min.x + 1) *
+                    rows_of_chunk(header.compression());
+    if (header.hasTileDescription())
+        pixels = double{1} * header.tileDescription().xSize * header.tileDescription().ySize;
+    double bytes = 0;
+    for (auto c = header.channels().begin(); c != header.channels().end(); ++c)
+        bytes += pixels * (c.channel().type == Imf::HALF ? 2 : 4) / c.channel().xSampling;
+    return bytes;
+}
+
 /// Before anything is allocated for the pixels that a header claims.
 void require_bytes(const std::string& name, const Imf::Header& header) {
     const auto window = header.dataWindow();
@@ -247,16 +279,18 @@ ImageFile formats::read_exr(const std::filesystem::path& file, ExrColors colors,
     require_exr_header(file);
     bool is_known = false;  // what the header says
     try {
-        Imf::InputFile input(name.c_str());
+        Imf::MultiPartInputFile parts(name.c_str());  // reads headers alone
         is_known = true;
-        const Imf::Header& header = input.header();
+        const Imf::Header& header = parts.header(0);
         require_bytes(name, header);
         const Imf::ChannelList& stored = header.channels();
         const Picture picture = pick_channels(name, stored);
         if (content == Content::kHeader) {
             Image shape = shape_of(name, header, picture.colors.size());
             shape.channels += !picture.alpha.empty();
-            return {std::move(shape), PixelEncoding::kFloat, "EXR"};
+            ImageFile found{std::move(shape), PixelEncoding::kFloat, "EXR"};
+            found.chunk_bytes = chunk_bytes(header);
+            return found;
         }
         const auto matrix = colors == ExrColors::kRec709 ? matrix_of(name, header, picture)
                                                          : std::optional<ColorMatrix>{};
@@ -267,6 +301,7 @@ ImageFile formats::read_exr(const std::filesystem::path& file, ExrColors colors,
         read.overscan = header.dataWindow() != header.displayWindow();
         if (!picture.alpha.empty())
             read.alpha = make_image_of(name, header, {picture.alpha}, buffer);
+        Imf::InputPart input(parts, 0);
         input.setFrameBuffer(buffer);
         input.readPixels(header.dataWindow().min.y, header.dataWindow().max.y);
         if (matrix) convert(*matrix, read.image);

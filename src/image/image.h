@@ -74,6 +74,7 @@ struct ImageFile {
     std::string profile = {};  ///< see Photograph
     bool says_linear = false;  ///< a PNG: its numbers are linear, by its gamma; it has no profile
     bool overscan = false;     ///< of an EXR: its data window is not its display window
+    double chunk_bytes = 0;    ///< of an EXR's header: what reading takes beside file and image
 };
 
 /// Throws InputError, which names the file, where it holds more or less than the picture.

@@ -136,9 +136,11 @@ ImageFile load_image(Loader& loader, const Place& place, const std::string& name
     const std::filesystem::path file = resolve_file(loader.document, place, name);
     try {
         if (loader.options.before_reading) {
-            const Image header = read_image_header(file).image;
+            const ImageFile header = read_image_header(file);
+            const Image& shape = header.image;
             tell_reading(loader, file,
-                         double{sizeof(float)} * header.channels * header.width * header.height);
+                         double{sizeof(float)} * shape.channels * shape.width * shape.height +
+                             header.chunk_bytes);
         }
         return read_image_file(file);
     } catch (const InputError& error) {

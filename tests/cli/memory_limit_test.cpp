@@ -216,6 +216,7 @@ TEST_F(MemoryLimit, TheEstimateOfTwoRunsIsTheMostThatEitherTakes) {
 TEST_F(MemoryLimit, FilesOfTheSceneBeyondItAreRefusedBeforeTheyAreRead) {
     write_scene();
     constexpr double kBytes = 3 * 4.0 * 2400 * 2400;  // of the numbers of the picture
+    constexpr double kChunk = 3 * 4.0 * 2400 * 16;    // of the rows that are read at a time
     // Before anything is measured: what this process has had counts for those that it starts.
     write_image(folder / "large.exr", make_image(2400, 2400, 3, 0.5f));
     const double small =
@@ -233,7 +234,7 @@ TEST_F(MemoryLimit, FilesOfTheSceneBeyondItAreRefusedBeforeTheyAreRead) {
     EXPECT_FALSE(fs::exists(folder / "out"));
     // Just above what the files take: the whole is still too much, and what is named is enough.
     const Outcome loaded =
-        run(fmt::format("{} --max-memory {}", command, 1.001 * (kBytes + file) / 0x1p30));
+        run(fmt::format("{} --max-memory {}", command, 1.001 * (kBytes + kChunk + file) / 0x1p30));
     EXPECT_EQ(loaded.code, 77);
     EXPECT_FALSE(contains(loaded.err, "reading it takes")) << loaded.err;
     const Outcome enough = run(command + named_limit(loaded.err));

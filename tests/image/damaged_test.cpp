@@ -278,6 +278,23 @@ TEST_F(DamagedImages, HugeSizesAreRefused) {
     EXPECT_NE(error.find(" or more for 10240 x 10240 pixels"), std::string::npos) << error;
 }
 
+/// A chunk has all channels, also those that are not read, and as many rows where the image is low.
+TEST_F(DamagedImages, TheHeaderOfAnExrTellsWhatAChunkTakes) {
+    const auto chunk_of = [&](const ExrLayout& layout) {
+        make_exr(folder / "a.exr", smooth_image(20, 14, 3), layout);
+        return read_image_header(folder / "a.exr").chunk_bytes;
+    };
+    const std::vector<std::string> channels{"R", "G", "B", "L.a", "L.b"};
+    constexpr int kRows[] = {1, 1, 1, 16, 32, 16, 32, 32, 32, 256};
+    for (int compression = 0; compression < 10; ++compression)
+        for (const bool half : {false, true})
+            EXPECT_EQ(chunk_of({compression, half, 3, 4, false, 1, channels}),
+                      kRows[compression] * 20 * 5 * (half ? 2 : 4))
+                << compression;
+    EXPECT_EQ(chunk_of({9, false, 0, 0, true, 1, channels}), 16 * 8 * 5 * 4);
+    EXPECT_EQ(chunk_of({9, false, 0, 0, false, 2, channels}), 256 * 20 * 5 * 4);
+}
+
 /// The limit is that of colours and of alpha alone, which are read apart.
 TEST_F(DamagedImages, TheHeaderOfALargeExrMayHaveAlpha) {
     make_exr(folder / "sample.exr", smooth_image(8, 8, 4),
