@@ -273,7 +273,7 @@ void limit_sizes() {
 
 }  // namespace
 
-ImageFile formats::read_exr(const std::filesystem::path& file, ExrColors colors, Content content) {
+ImageFile formats::read_exr(const std::filesystem::path& file, FileColors colors, Content content) {
     const std::string name = file.string();
     limit_sizes();
     require_exr_header(file);
@@ -292,8 +292,8 @@ ImageFile formats::read_exr(const std::filesystem::path& file, ExrColors colors,
             found.chunk_bytes = chunk_bytes(header);
             return found;
         }
-        const auto matrix = colors == ExrColors::kRec709 ? matrix_of(name, header, picture)
-                                                         : std::optional<ColorMatrix>{};
+        const auto matrix = colors == FileColors::kRec709 ? matrix_of(name, header, picture)
+                                                          : std::optional<ColorMatrix>{};
         Imf::FrameBuffer buffer;
         ImageFile read{make_image_of(name, header, picture.colors, buffer), PixelEncoding::kFloat,
                        "EXR"};

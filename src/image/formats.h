@@ -30,6 +30,8 @@ void take_alpha(ImageFile& file);
 
 /// What is decoded of a file; see read_image_header.
 enum class Content { kHeader, kAll };
+/// What becomes of X, Y, Z and of chromaticities.
+enum class FileColors { kRec709, kAsStored };
 
 ImageFile decode_png(const std::string& name, std::string_view bytes, Content content);
 ImageFile decode_jpeg(const std::string& name, std::string_view bytes, Content content);
@@ -43,7 +45,8 @@ Exif read_exif(std::string_view segment);
 /// The name of an ICC profile in ASCII, as "Display P3"; empty: it has none. Any bytes.
 std::string profile_name(std::string_view icc);
 ImageFile decode_pfm(const std::string& name, std::string_view bytes, Content content);
-ImageFile decode_hdr(const std::string& name, std::string_view bytes, Content content);
+ImageFile decode_hdr(const std::string& name, std::string_view bytes, FileColors colors,
+                     Content content);
 /// A BMP file as stb_image reads it rightly: a header of 40, 108 or 124 bytes, a colour for each
 /// index, black where the file has none, and the pixels at once behind them.
 std::string plain_bmp(const std::string& name, std::string_view bytes);
@@ -53,14 +56,12 @@ bool has_gray_palette(std::string_view plain);
 ImageFile decode_stb(const std::string& name, std::string_view bytes, Content content);
 /// Whether the bytes look like a TGA file, which has no magic number.
 bool looks_like_tga(std::string_view bytes);
-/// What becomes of X, Y, Z and of chromaticities.
-enum class ExrColors { kRec709, kAsStored };
 /// Throws InputError where the header of an OpenEXR file claims more bytes than the file has, and
 /// where its first part is deep.
 void require_exr_header(const std::filesystem::path& file);
 /// Scanline or tiled, any compression, first part. Channels R, G, B, or X, Y, Z, or Y, of one
 /// layer, or the only one.
-ImageFile read_exr(const std::filesystem::path& file, ExrColors colors, Content content);
+ImageFile read_exr(const std::filesystem::path& file, FileColors colors, Content content);
 
 /// 32-bit float, ZIP; channels Y or R, G, B, and A of an image of two or four.
 std::string encode_exr(const Image& image);

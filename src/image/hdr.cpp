@@ -8,6 +8,7 @@
 #include <cstdio>
 
 #include "image/formats.h"
+#include "image/xyz.h"
 
 namespace burnish {
 
@@ -18,6 +19,7 @@ struct HdrReader {
     std::string_view bytes;
     std::size_t offset = 0;
     std::size_t begin = 0;  ///< of the line, the row or the run that is read
+    bool is_xyz = false;
 
     [[noreturn]] void fail(const std::string& what) const {
         formats::fail(name, "HDR", fmt::format("byte offset {}: {}", begin, what));
@@ -47,11 +49,19 @@ int next_byte(HdrReader& reader) {
     return static_cast<unsigned char>(reader.bytes[reader.offset++]);
 }
 
-/// Skips the variables; returns the size from the line "-Y height +X width".
+void read_variable(HdrReader& reader, std::string_view line) {
+    if (!line.starts_with("FORMAT=")) return;
+    const std::string_view format = line.substr(7, 15);
+    reader.is_xyz = format == "32-bit_rle_xyze";
+    if (format != "32-bit_rle_rgbe" && !reader.is_xyz)
+        reader.refuse(fmt::format(
+            "found \"{:.40}\", expected FORMAT=32-bit_rle_rgbe or FORMAT=32-bit_rle_xyze", line));
+}
+
+/// Reads the variables; returns the size from the line "-Y height +X width".
 Image read_header(HdrReader& reader) {
     for (std::string_view line = next_line(reader); !line.empty(); line = next_line(reader))
-        if (line.substr(0, 7) == "FORMAT=" && line.substr(7, 15) != "32-bit_rle_rgbe")
-            reader.refuse(fmt::format("found \"{:.40}\", expected FORMAT=32-bit_rle_rgbe", line));
+        read_variable(reader, line);
     const std::string line(next_line(reader).substr(0, 80));
     if (line.starts_with("+Y ") || line.starts_with("+X ") || line.starts_with("-X ") ||
         line.find(" -X ") != std::string::npos)
@@ -103,9 +113,21 @@ void read_row(HdrReader& reader, std::vector<std::uint8_t>& row) {
     }
 }
 
+void convert_xyz(Image& image) {
+    for (std::size_t i = 0; i < image.values.size(); i += 3) {
+        float* color = image.values.data() + i;
+        const double xyz[3] = {color[0], color[1], color[2]};
+        for (int c = 0; c < 3; ++c)
+            color[c] =
+                static_cast<float>(kRec709OfXyz[c][0] * xyz[0] + kRec709OfXyz[c][1] * xyz[1] +
+                                   kRec709OfXyz[c][2] * xyz[2]);
+    }
+}
+
 }  // namespace
 
-ImageFile formats::decode_hdr(const std::string& name, std::string_view bytes, Content content) {
+ImageFile formats::decode_hdr(const std::string& name, std::string_view bytes, FileColors colors,
+                              Content content) {
     HdrReader reader{name, bytes};
     Image image = read_header(reader);
     const auto width = static_cast<std::size_t>(image.width);
@@ -124,6 +146,7 @@ ImageFile formats::decode_hdr(const std::string& name, std::string_view bytes, C
                     static_cast<float>(row[4 * x + c]) * scale;
         }
     }
+    if (reader.is_xyz && colors == FileColors::kRec709) convert_xyz(image);
     return {std::move(image), PixelEncoding::kFloat, "HDR", 8};
 }
 

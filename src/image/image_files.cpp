@@ -113,11 +113,13 @@ const char* known_format(std::string_view bytes) {
     if (has(4, "ftyphei") || has(4, "ftyphev") || has(4, "ftypmif1")) return "HEIC";
     if (has(0, "II*\0"sv) || has(0, "MM\0*"sv)) return "TIFF or raw";
     if (has(0, "RIFF") && has(8, "WEBP")) return "WebP";
+    if (has(0, "P5\n") || has(0, "P5 ")) return "PGM";
+    if (has(0, "P6\n") || has(0, "P6 ")) return "PPM";
     return nullptr;
 }
 
 ImageFile read_file(const std::filesystem::path& file, std::string_view bytes,
-                    formats::ExrColors colors, formats::Content content) {
+                    formats::FileColors colors, formats::Content content) {
     const std::string name = file.string();
     switch (detect(bytes)) {
         case Format::kPng:
@@ -129,7 +131,7 @@ ImageFile read_file(const std::filesystem::path& file, std::string_view bytes,
         case Format::kPfm:
             return formats::decode_pfm(name, bytes, content);
         case Format::kHdr:
-            return formats::decode_hdr(name, bytes, content);
+            return formats::decode_hdr(name, bytes, colors, content);
         case Format::kStb:
             return formats::decode_stb(name, bytes, content);
         case Format::kUnknown:
@@ -147,14 +149,14 @@ ImageFile read_file(const std::filesystem::path& file, std::string_view bytes,
 }  // namespace
 
 ImageFile read_image_file(const std::filesystem::path& file) {
-    return read_file(file, read_bytes(file), formats::ExrColors::kRec709, formats::Content::kAll);
+    return read_file(file, read_bytes(file), formats::FileColors::kRec709, formats::Content::kAll);
 }
 
 ImageFile read_image_header(const std::filesystem::path& file) {
     // Where decoders ask whether a file is long enough for its size, that is enough for nearly all.
     constexpr std::size_t kStart = std::size_t{1} << 20;
     const auto read = [&](std::size_t max) {
-        return read_file(file, read_start(file, max), formats::ExrColors::kRec709,
+        return read_file(file, read_start(file, max), formats::FileColors::kRec709,
                          formats::Content::kHeader);
     };
     try {
@@ -165,7 +167,8 @@ ImageFile read_image_header(const std::filesystem::path& file) {
 }
 
 ImageFile read_numbers_file(const std::filesystem::path& file) {
-    return read_file(file, read_bytes(file), formats::ExrColors::kAsStored, formats::Content::kAll);
+    return read_file(file, read_bytes(file), formats::FileColors::kAsStored,
+                     formats::Content::kAll);
 }
 
 void require_no_overscan(const ImageFile& read, const std::string& file) {

@@ -120,6 +120,8 @@ TEST_F(DamagedImages, MessagesNameTheFileAndTheFault) {
         "a HEIC file, which is not read");
     expect("II*\0 and more"s, "a TIFF or raw file, which is not read");
     expect("RIFF1234WEBP", "a WebP file, which is not read");
+    expect("P5\n2 1\n255\nab", "a PGM file, which is not read");
+    expect("P6 2 1 255\nabcdef", "a PPM file, which is not read");
     expect("PF\n20 x\n-1\n", "found \"x\", expected the height");
     expect("PF\n40000 2\n-1\n",
            "40000 x 2 pixels with 3 channels, expected at most 32768 pixels a side");
@@ -164,8 +166,9 @@ TEST_F(DamagedImages, WhatIsNotKnownIsNotCalledDamaged) {
     expect("TGA", palette, "found a palette that begins with colour 2, expected 0");
     for (const char* size : {"+Y 14 +X 20", "-Y 14 -X 20", "+X 20 -Y 14", "-X 20 +Y 14"})
         expect("HDR", std::string(hdr).replace(hdr.find("-Y"), 11, size), size);
-    expect("HDR", std::string(hdr).replace(hdr.find("rle_rgbe"), 8, "rle_xyze"),
-           "found \"FORMAT=32-bit_rle_xyze\", expected FORMAT=32-bit_rle_rgbe");
+    expect("HDR", std::string(hdr).replace(hdr.find("rle_rgbe"), 8, "rle_luve"),
+           "found \"FORMAT=32-bit_rle_luve\", expected FORMAT=32-bit_rle_rgbe or "
+           "FORMAT=32-bit_rle_xyze");
     const std::size_t pixels = hdr.find("+X 20\n") + 6;
     expect("HDR", std::string(hdr).replace(pixels + 4, 4, "\1\1\1\3"),
            "found a run of whole pixels");

@@ -182,6 +182,26 @@ TEST_F(ImageFiles, HdrWithCarriageReturns) {
     }
 }
 
+TEST_F(ImageFiles, HdrOfXyzIsConverted) {
+    const Image xyz = smooth_image(22, 11, 3);
+    for (const bool run_length : {false, true}) {
+        std::string bytes = make_hdr(xyz, run_length);
+        const Image stored = read_image_file(write("a", bytes)).image;
+        bytes.replace(bytes.find("rgbe"), 4, "xyze");
+        EXPECT_EQ(read_numbers_file(write("a", bytes)).image, stored);
+        Image expected = stored;
+        for (int y = 0; y < 11; ++y)
+            for (int x = 0; x < 22; ++x) {
+                const float a = stored.at(x, y, 0), b = stored.at(x, y, 1), c = stored.at(x, y, 2);
+                float* rgb = &expected.values[expected.index(x, y)];
+                rgb[0] = 3.240479f * a - 1.537150f * b - 0.498535f * c;
+                rgb[1] = -0.969256f * a + 1.875991f * b + 0.041556f * c;
+                rgb[2] = 0.055648f * a - 0.204043f * b + 1.057311f * c;
+            }
+        expect_equal(read_image_file(write("a", bytes)).image, expected, 1e-5f);
+    }
+}
+
 TEST_F(ImageFiles, HdrExposureAndColorCorrectionDoNotCount) {
     const std::string bytes = make_hdr(smooth_image(2, 2, 3), false);
     const Image expected = read_image_file(write("a", bytes)).image;
