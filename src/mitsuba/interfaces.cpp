@@ -94,7 +94,12 @@ RoughPlastic read_rough_plastic(BsdfReader& reader) {
     if (!(bsdf.alpha >= 0 && bsdf.alpha <= 10))
         fail(reader.properties.node->place,
              fmt::format("\"alpha\" is {}, expected a number in [0, 10]", bsdf.alpha));
-    return make_rough_plastic(bsdf);
+    const auto [made, is_new] =
+        reader.loader.rough_plastics.try_emplace({bsdf.shape, bsdf.alpha, bsdf.eta});
+    if (is_new) made->second = make_rough_plastic(bsdf);
+    bsdf.transmittance = made->second.transmittance;
+    bsdf.internal_reflectance = made->second.internal_reflectance;
+    return bsdf;
 }
 
 namespace {

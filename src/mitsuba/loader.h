@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <map>
 #include <string>
+#include <tuple>
 #include <unordered_set>
 #include <vector>
 
@@ -51,6 +52,8 @@ struct Loader {
     std::map<const Node*, OutsideValues> outside;  ///< of textures, until they are warned of
     std::map<const Node*, BsdfId> bsdfs;
     std::map<const Node*, MaterialId> materials;
+    /// By what their tables depend on, which take a while: shape, alpha, eta.
+    std::map<std::tuple<FacetShape, float, float>, RoughPlastic> rough_plastics;
     std::vector<FoundParameter> parameters;
     std::vector<const Node*> children;  ///< of the scene, but those whose name a later one has, too
     const Node* environment = nullptr;  ///< the envmap or constant emitter
