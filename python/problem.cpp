@@ -84,7 +84,7 @@ std::optional<bool> as_bool(nb::handle value) {
 namespace {
 
 LossValue call_loss(const Function& loss, const Image& image, std::size_t view) {
-    const nb::gil_scoped_acquire gil;
+    const CallFromWork call;
     const nb::object result = loss.get()(to_array(image), view);
     const bool is_pair = nb::isinstance<nb::tuple>(result) || nb::isinstance<nb::list>(result);
     if (!is_pair || nb::len(result) != 2)
@@ -106,7 +106,7 @@ LossValue call_loss(const Function& loss, const Image& image, std::size_t view) 
 
 std::vector<std::string> call_exchange(const Function& exchange,
                                        const std::vector<std::string>& messages) {
-    const nb::gil_scoped_acquire gil;
+    const CallFromWork call;
     nb::list sent;
     for (const std::string& message : messages)
         sent.append(nb::bytes(message.data(), message.size()));

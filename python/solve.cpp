@@ -29,7 +29,7 @@ struct Cleared {
 };
 
 Control call_callback(const Function& callback, const Iteration& i, const Solver& solver) {
-    const nb::gil_scoped_acquire gil;
+    const CallFromWork call;
     PythonIteration iteration{i};
     iteration.current = std::make_shared<const Solver*>(&solver);
     const Cleared cleared{*iteration.current};
@@ -40,13 +40,13 @@ Control call_callback(const Function& callback, const Iteration& i, const Solver
 }
 
 void call_progress(const Function& progress, const char* stage, double share) {
-    const nb::gil_scoped_acquire gil;
+    const CallFromWork call;
     progress.get()(stage, share);
 }
 
 /// RuntimeWarning for each; throws where Python makes an error of it.
 void warn(const std::vector<std::string>& sentences) {
-    const nb::gil_scoped_acquire gil;
+    const CallFromWork call;
     for (const std::string& text : sentences)
         if (PyErr_WarnEx(PyExc_RuntimeWarning, text.c_str(), 1) != 0) nb::raise_python_error();
 }

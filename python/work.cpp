@@ -8,6 +8,7 @@
 #include <exception>
 #include <mutex>
 #include <thread>
+#include <utility>
 #include <vector>
 
 #include "burnish/error.h"
@@ -56,7 +57,8 @@ void end_work() {
     process().changed.notify_all();
 }
 
-/// Of the threads of workers, for whose work the end of the interpreter waits.
+/// Of the threads of workers, and of others while their work calls Python: the end of the
+/// interpreter waits for them.
 thread_local bool works = false;
 
 /// Of a daemon's thread once the interpreter ends: it must not take the GIL any more.
@@ -244,6 +246,10 @@ std::unique_ptr<Worker> borrow_worker() {
 }
 
 void give_back(std::unique_ptr<Worker> worker) { resting_workers().push_back(std::move(worker)); }
+
+CallFromWork::CallFromWork() : worked_before_(std::exchange(works, true)) {}
+
+CallFromWork::~CallFromWork() { works = worked_before_; }
 
 void without_gil(const std::function<void()>& work) {
     // Not one whose end the interpreter waits for, nor one of the functions of its exit.

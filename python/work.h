@@ -3,6 +3,8 @@
 // at the next call of its progress, or is taken up by the next call of its object.
 #pragma once
 
+#include <nanobind/nanobind.h>
+
 #include <atomic>
 #include <functional>
 #include <memory>
@@ -50,6 +52,20 @@ class Worker {
 std::unique_ptr<Worker> borrow_worker();
 /// worker: it rests.
 void give_back(std::unique_ptr<Worker> worker);
+
+/// The GIL for a function of Python that work calls, on a worker's thread or one of oneTBB: the end
+/// of the interpreter waits for that work, and so for what the function begins.
+class CallFromWork {
+  public:
+    CallFromWork();
+    ~CallFromWork();
+    CallFromWork(const CallFromWork&) = delete;
+    CallFromWork& operator=(const CallFromWork&) = delete;
+
+  private:
+    nanobind::gil_scoped_acquire gil_;
+    bool worked_before_;
+};
 
 /// Before the interpreter ends: gives up all work that goes on, and waits for it.
 void end_all_work();

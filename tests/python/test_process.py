@@ -381,6 +381,9 @@ def test_a_program_that_ctrl_c_ends_leaves_a_checkpoint(scene, tmp_path, own_los
     "burnish.solve(problem, iterations=10**8, callback=lambda i: at_work.set() or renderer.render(spp=300000) is None)",
     "burnish.solve(problem, iterations=10**8, callback=lambda i: at_work.set() or burnish.write_image(path, picture))",
     "burnish.Solver(burnish.Problem(renderer, target, unknown, loss)).step()",
+    pytest.param("burnish.solve(problem, iterations=1, evaluation_spp=2**16, progress=progress, "
+                 "callback=lambda i: worker.append(threading.get_ident()))",
+                 marks=pytest.mark.skipif(CORES < 2, reason="oneTBB has no thread of its own")),
 ])
 def test_the_interpreter_ends_while_work_waits_for_work(scene, tmp_path, work):
     done = run(textwrap.dedent(INTERRUPTED) + textwrap.dedent(f"""
@@ -393,6 +396,11 @@ def test_the_interpreter_ends_while_work_waits_for_work(scene, tmp_path, work):
             at_work.set()
             renderer.render(spp=300000)
             return 0.0, image * 0
+        worker = []
+        def progress(stage, share):  # of the evaluation, on a thread of oneTBB
+            if worker and threading.get_ident() != worker[0]:
+                at_work.set()
+                renderer.render(spp=300000)
         def work():
             {work}
         threading.Thread(target=work, daemon=True).start()
