@@ -50,6 +50,10 @@ nb::object from_path(const std::string& path) {
     return checked(PyUnicode_DecodeFSDefaultAndSize(path.data(), size));
 }
 
+void warn(PyObject* category, const std::string& text) {
+    if (PyErr_WarnFormat(category, 1, "%U", to_text(text).ptr()) != 0) nb::raise_python_error();
+}
+
 namespace {
 
 [[noreturn]] void fail_for_type(const std::string& what, const std::string& found) {

@@ -20,6 +20,9 @@ nb::object to_text(const std::string& text);
 /// A path, as Python has those that are not UTF-8: the other way of to_path.
 nb::object from_path(const std::string& path);
 
+/// A warning; throws where a filter makes an exception of it. Of text as to_text takes it.
+void warn(PyObject* category, const std::string& text);
+
 /// What an array holds.
 enum class Meaning {
     kLinear,   ///< radiance, texels: whole numbers without a sign are refused, for they are codes

@@ -28,7 +28,11 @@ class PythonLive {
             live_.reset();
         }
         const nb::error_scope kept;  // of a collection while an exception goes on
-        if (!show_warning()) PyErr_WriteUnraisable(nullptr);
+        try {
+            warn();
+        } catch (nb::python_error& e) {
+            e.discard_as_unraisable(nb::handle());
+        }
     }
     PythonLive(const PythonLive&) = delete;
     PythonLive& operator=(const PythonLive&) = delete;
@@ -40,17 +44,13 @@ class PythonLive {
                 "in this process, too");
         return *live_;
     }
+    /// Where there is anything to say.
     void warn() const {
-        if (!show_warning()) nb::raise_python_error();
+        if (const std::string text = note_.take(); !text.empty())
+            python::warn(PyExc_RuntimeWarning, text);
     }
 
   private:
-    /// Where there is anything to say; false: a filter has made it an exception.
-    bool show_warning() const {
-        const std::string text = note_.take();
-        return text.empty() || PyErr_WarnEx(PyExc_RuntimeWarning, text.c_str(), 1) == 0;
-    }
-
     pid_t process_ = getpid();  ///< which has the thread
     Note note_;
     std::optional<Live> live_;

@@ -140,10 +140,6 @@ void require_effect(const Keyword& keyword, const Options& options, const Python
     throw InputError(keyword.name + " needs " + needs_of(keyword));
 }
 
-void warn(const std::string& sentence) {
-    if (PyErr_WarnEx(PyExc_UserWarning, sentence.c_str(), 1) != 0) nb::raise_python_error();
-}
-
 bool has_mask(const View& view) {
     return std::ranges::any_of(view.mask.values, [](float weight) { return weight != 1; });
 }
@@ -158,9 +154,10 @@ void warn_without_effect(const Options& options, const PythonProblem& p) {
     const auto fitted = static_cast<std::size_t>(
         std::ranges::count_if(p.problem.views, [](const View& v) { return !v.held_out; }));
     for (const std::string& sentence : options_without_effect(options, scene, unknowns, fitted))
-        warn(sentence);
+        warn(PyExc_UserWarning, sentence);
     if (p.functions.loss && std::ranges::any_of(p.problem.views, has_mask))
         warn(
+            PyExc_UserWarning,
             "a loss of your own gets the whole images: the masks of the views count in psnr alone, "
             "unless it applies them");
 }

@@ -44,11 +44,9 @@ void call_progress(const Function& progress, const char* stage, double share) {
     progress.get()(stage, share);
 }
 
-/// RuntimeWarning for each; throws where Python makes an error of it.
-void warn(const std::vector<std::string>& sentences) {
+void warn_of_damage(const Checkpoint& from) {
     const CallFromWork call;
-    for (const std::string& text : sentences)
-        if (PyErr_WarnEx(PyExc_RuntimeWarning, text.c_str(), 1) != 0) nb::raise_python_error();
+    for (const std::string& text : warnings_of(from, "the run")) warn(PyExc_RuntimeWarning, text);
 }
 
 std::shared_ptr<Function> to_function(nb::handle function, const char* name) {
@@ -107,7 +105,7 @@ Summary solve_with_checkpoints(Problem problem, const Options& options, const st
     if (checkpoints_in(folder).empty())
         return solve(std::move(problem), options, checkpoints, callback, progress);
     Checkpoint from = load_checkpoint(folder, problem.ranks);
-    if (is_first(problem.ranks)) warn(warnings_of(from, "the run"));
+    if (is_first(problem.ranks)) warn_of_damage(from);
     return solve(std::move(problem), options, std::move(from), checkpoints, callback, progress);
 }
 

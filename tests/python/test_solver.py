@@ -162,12 +162,14 @@ def test_a_run_goes_on_from_its_checkpoints(problem, renderer, target, tmp_path)
         burnish.solve(own, checkpoints=folder)
 
 
-def test_a_damaged_checkpoint_is_warned_of(problem, tmp_path):
+@pytest.mark.parametrize("name, said", [(b"run", "run"), (b"caf\xe9", r"caf\\xe9")])
+def test_a_damaged_checkpoint_is_warned_of(problem, tmp_path, name, said):
+    folder = tmp_path / os.fsdecode(name)
     for iterations in (1, 2):
-        burnish.solve(problem, checkpoints=tmp_path, iterations=iterations, evaluation_spp=2)
-    os.truncate(tmp_path / "0000000002.burnish", 100)
-    with pytest.warns(RuntimeWarning, match="0000000002.burnish: .*: the one before it is taken") as warned:
-        summary = burnish.solve(problem, checkpoints=tmp_path, iterations=2, evaluation_spp=2)
+        burnish.solve(problem, checkpoints=folder, iterations=iterations, evaluation_spp=2)
+    os.truncate(folder / "0000000002.burnish", 100)
+    with pytest.warns(RuntimeWarning, match=f"{said}/0000000002.burnish: .*: the one before it is taken") as warned:
+        summary = burnish.solve(problem, checkpoints=folder, iterations=2, evaluation_spp=2)
     assert len(warned) == 1 and summary.iteration_count == 2
 
 
