@@ -5,6 +5,8 @@
 
 #include <chrono>
 #include <condition_variable>
+#include <csignal>
+#include <cstdlib>
 #include <exception>
 #include <mutex>
 #include <thread>
@@ -66,10 +68,21 @@ thread_local bool works = false;
     while (true) std::this_thread::sleep_for(std::chrono::hours(1));
 }
 
+/// Between looks for signals.
+constexpr auto kPatience = std::chrono::milliseconds(50);
+
 /// Of the thread that asks; raises what a signal's handler raises.
 void hear_signals() {
     const nb::gil_scoped_acquire gil;
     if (PyErr_CheckSignals() != 0) nb::raise_python_error();
+}
+
+/// As the default action of Ctrl-C does. Not by an exception: work would go on in an interpreter
+/// that is no more.
+[[noreturn]] void end_by_signal() {
+    std::signal(SIGINT, SIG_DFL);
+    std::raise(SIGINT);
+    std::abort();  // where the signal is blocked
 }
 
 }  // namespace
@@ -95,7 +108,6 @@ using Lock = std::unique_lock<std::mutex>;
 /// Error where the work that calls is given up, for the interpreter ends.
 template <class Shared, class Condition>
 void wait_until(Shared& s, const Condition& holds) {
-    constexpr auto kPatience = std::chrono::milliseconds(50);
     const nb::gil_scoped_release without;
     Lock lock(s.mutex);
     while (true) {
@@ -273,7 +285,15 @@ void end_all_work() {
     const nb::gil_scoped_release without;
     Process& p = process();
     Lock lock(p.mutex);
-    p.changed.wait(lock, [&] { return p.working == 0; });
+    while (!p.changed.wait_for(lock, kPatience, [&] { return p.working == 0; })) {
+        lock.unlock();
+        try {
+            hear_signals();
+        } catch (const nb::python_error&) {
+            end_by_signal();
+        }
+        lock.lock();
+    }
 }
 
 }  // namespace burnish::python

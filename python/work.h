@@ -67,7 +67,8 @@ class CallFromWork {
     bool worked_before_;
 };
 
-/// Before the interpreter ends: gives up all work that goes on, and waits for it.
+/// Before the interpreter ends: gives up all work that goes on, and waits for it. A signal whose
+/// handler raises meanwhile, as Ctrl-C does, ends the process at once: the work may not return.
 void end_all_work();
 
 /// Does work on this thread, without the GIL; signals wait for its end. For what takes a second at

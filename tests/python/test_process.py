@@ -3,6 +3,7 @@ import ctypes
 import gc
 import importlib.util
 import os
+import signal
 import subprocess
 import sys
 import textwrap
@@ -298,6 +299,32 @@ def test_the_interpreter_ends_while_work_goes_on(scene):
         caught.set()
     """), scene)
     assert done.returncode == 0 and done.stdout == "interrupted\n" and not done.stderr, done.stdout + done.stderr
+
+
+def test_ctrl_c_ends_a_program_that_waits_for_a_loss(scene):
+    """The first one ends the waiting for the step alone; others come while the interpreter waits for the loss."""
+    done = run(textwrap.dedent(INTERRUPTED) + textwrap.dedent("""
+        import atexit
+        at_work, ending = threading.Event(), threading.Event()
+        atexit.register(ending.set)
+        def loss(image, view):
+            at_work.set()
+            time.sleep(60)
+            print("the loss returns", flush=True)
+            return 0.0, image * 0
+        def go_on():
+            assert ending.wait(250)
+            while True:
+                time.sleep(0.2)
+                signal.pthread_kill(threading.main_thread().ident, signal.SIGINT)
+        threading.Thread(target=go_on, daemon=True).start()
+        interrupt(at_work)
+        try:
+            burnish.Solver(burnish.Problem(renderer, target, burnish.Unknown('mat-goblet.roughness', 0.5), loss)).step()
+        except KeyboardInterrupt:
+            pass
+    """), scene)
+    assert done.returncode == -signal.SIGINT and not done.stdout, done.stdout + done.stderr
 
 
 @pytest.mark.parametrize("goes_on", [
