@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <nanobind/ndarray.h>
 #include <nanobind/stl/string.h>
+#include <nanobind/stl/vector.h>
 
 #include <algorithm>
 
@@ -56,8 +57,11 @@ void warn(PyObject* category, const std::string& text) {
 
 namespace {
 
-[[noreturn]] void fail_for_type(const std::string& what, const std::string& found) {
-    throw type_error(what + ": expected an array of numbers, found " + found);
+constexpr const char* kArray = "an array of numbers";
+
+[[noreturn]] void fail_for_type(const std::string& what, const std::string& expected,
+                                const std::string& found) {
+    throw type_error(what + ": expected " + expected + ", found " + found);
 }
 
 /// numpy would drop its mask.
@@ -72,9 +76,9 @@ void require_no_mask(nb::handle array, const std::string& what) {
 }
 
 /// As numpy sees it.
-nb::object as_numpy(nb::handle array, const std::string& what) {
+nb::object as_numpy(nb::handle array, const std::string& what, const std::string& expected) {
     if (array.is_none() || nb::isinstance<nb::str>(array) || nb::isinstance<nb::dict>(array))
-        fail_for_type(what, type_of(array));
+        fail_for_type(what, expected, type_of(array));
     require_no_mask(array, what);
     const nb::module_ numpy = nb::module_::import_("numpy");
     const bool has_own = nb::hasattr(array, "__array__") || PyObject_CheckBuffer(array.ptr());
@@ -82,12 +86,21 @@ nb::object as_numpy(nb::handle array, const std::string& what) {
         if (!has_own && nb::hasattr(array, "__dlpack__")) return numpy.attr("from_dlpack")(array);
         return numpy.attr("asarray")(array);
     } catch (nb::python_error& e) {
-        nb::raise_from(e, PyExc_TypeError, "%s: expected an array of numbers, found %s",
-                       what.c_str(), type_of(array).c_str());
+        nb::raise_from(e, PyExc_TypeError, "%s: expected %s, found %s", what.c_str(),
+                       expected.c_str(), type_of(array).c_str());
     }
 }
 
 std::string shape_text(nb::handle array) { return repr_of(nb::object(array.attr("shape"))); }
+
+std::string kind_of(nb::handle array) {
+    return nb::cast<std::string>(array.attr("dtype").attr("kind"));
+}
+std::string dtype_of_array(nb::handle array) { return text_of(nb::object(array.attr("dtype"))); }
+bool has_numbers(nb::handle array) {  // numpy knows no kind of bfloat16
+    return kind_of(array).find_first_of("fiub") != std::string::npos ||
+           dtype_of_array(array) == "bfloat16";
+}
 
 /// Of an array of whole numbers.
 void require_weights(const Image& image, const std::string& what, const std::string& type) {
@@ -100,11 +113,9 @@ void require_weights(const Image& image, const std::string& what, const std::str
 }  // namespace
 
 Image to_image(nb::handle given, const std::string& what, Meaning meaning) {
-    nb::object array = as_numpy(given, what);
-    const std::string kind = nb::cast<std::string>(array.attr("dtype").attr("kind"));
-    const std::string type = text_of(nb::object(array.attr("dtype")));
-    const bool is_numbers = kind.find_first_of("fiub") != std::string::npos || type == "bfloat16";
-    if (!is_numbers) fail_for_type(what, "one of " + type);  // numpy knows no kind of bfloat16
+    nb::object array = as_numpy(given, what, kArray);
+    const std::string kind = kind_of(array), type = dtype_of_array(array);
+    if (!has_numbers(array)) fail_for_type(what, kArray, "one of " + type);
     if (meaning == Meaning::kLinear && (kind == "u" || kind == "b"))
         throw InputError(what + ": found " + type +
                          ", expected linear values as floating-point numbers; read_image and "
@@ -130,6 +141,26 @@ Image to_image(nb::handle given, const std::string& what, Meaning meaning) {
     if (meaning == Meaning::kWeights && (kind == "u" || kind == "i"))
         require_weights(image, what, type);
     return image;
+}
+
+std::vector<double> to_numbers(nb::handle given, const std::string& what,
+                               const std::string& expected, const std::vector<std::size_t>& shape) {
+    nb::object array = as_numpy(given, what, expected);
+    const auto own = nb::cast<std::vector<std::size_t>>(array.attr("shape"));
+    const bool may_be_numbers = kind_of(array) == "O" && !own.empty();  // such as fractions
+    if (!has_numbers(array) && !may_be_numbers)
+        fail_for_type(what, expected, "an array of " + dtype_of_array(array));
+    const auto fits = [](std::size_t a, std::size_t b) { return b == 0 || a == b; };
+    if (!std::equal(own.begin(), own.end(), shape.begin(), shape.end(), fits))
+        throw InputError(what + ": found the shape " + shape_text(array) + ", expected " +
+                         expected);
+    try {
+        array = array.attr("astype")("float64").attr("ravel")();
+    } catch (nb::python_error& e) {
+        nb::raise_from(e, PyExc_TypeError, "%s: expected %s, found %s", what.c_str(),
+                       expected.c_str(), repr_of(given).c_str());
+    }
+    return nb::cast<std::vector<double>>(array.attr("tolist")());
 }
 
 namespace {

@@ -4,6 +4,7 @@
 #include <nanobind/nanobind.h>
 
 #include <string>
+#include <vector>
 
 #include "burnish/image.h"
 
@@ -38,6 +39,12 @@ inline nb::builtin_exception type_error(const std::string& text) {
 /// [height, width, 1] or [height, width, 3]. Throws TypeError and InputError; what: whose array it
 /// is.
 Image to_image(nb::handle given, const std::string& what, Meaning meaning = Meaning::kLinear);
+
+/// The numbers, row by row, of anything that numpy makes an array of, or that speaks DLPack, of
+/// this shape; 0: any length. Throws TypeError and InputError; what: whose they are; expected: such
+/// an array in words.
+std::vector<double> to_numbers(nb::handle given, const std::string& what,
+                               const std::string& expected, const std::vector<std::size_t>& shape);
 
 /// A numpy array that owns the image's values; None of an empty image.
 nb::object to_array(Image image);

@@ -5,6 +5,7 @@
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/vector.h>
 
+#include <algorithm>
 #include <cstdint>
 
 #include "burnish/error.h"
@@ -16,28 +17,16 @@ namespace burnish::python {
 
 namespace {
 
-using Rows = std::vector<std::vector<double>>;
-
 /// Four rows of four numbers, or anything that numpy makes an array of them.
 Matrix to_matrix(nb::handle value, const std::string& what) {
-    const nb::module_ numpy = nb::module_::import_("numpy");
-    Rows rows;
-    try {
-        rows = nb::cast<Rows>(numpy.attr("asarray")(value, numpy.attr("float64")).attr("tolist")());
-    } catch (const std::exception&) {
-    }
+    const auto numbers = to_numbers(value, what, "four rows of four numbers", {4, 4});
     Matrix m{};
-    bool fits = rows.size() == 4;
-    for (std::size_t row = 0; fits && row < 4; ++row) {
-        fits = rows[row].size() == 4;
-        for (std::size_t c = 0; fits && c < 4; ++c) m[4 * row + c] = rows[row][c];
-    }
-    if (!fits) throw InputError(what + ": expected four rows of four numbers");
+    std::copy(numbers.begin(), numbers.end(), m.begin());
     return m;
 }
 
 nb::object to_array(const Matrix& m) {
-    Rows rows;
+    std::vector<std::vector<double>> rows;
     for (std::size_t row = 0; row < 4; ++row)
         rows.emplace_back(m.begin() + static_cast<std::ptrdiff_t>(4 * row),
                           m.begin() + static_cast<std::ptrdiff_t>(4 * row + 4));
@@ -78,8 +67,9 @@ std::size_t coefficient_count(LensKind kind) {
     return 0;
 }
 
-Lens make_lens(const std::string& kind, const std::vector<double>& coefficients) {
+Lens make_lens(const std::string& kind, nb::handle given) {
     Lens lens{lens_kind(kind)};
+    const auto coefficients = to_numbers(given, "coefficients", "a row of numbers", {0});
     const std::size_t max = coefficient_count(lens.kind);
     if (coefficients.size() > max)
         throw InputError(fmt::format("the lens has {} coefficients, expected at most {}",
@@ -104,10 +94,10 @@ void bind_lens(nb::module_& m) {
         nb::type_slots(kNoHash))
         .def(
             "__init__",
-            [](Lens* self, const std::string& kind, const std::vector<double>& coefficients) {
+            [](Lens* self, const std::string& kind, nb::object coefficients) {
                 new (self) Lens(make_lens(kind, coefficients));
             },
-            nb::arg("kind") = "pinhole", nb::arg("coefficients") = std::vector<double>{},
+            nb::arg("kind") = "pinhole", nb::arg("coefficients").none() = nb::tuple(),
             nb::sig("def __init__(self, kind: str = 'pinhole', coefficients: "
                     "numpy.typing.ArrayLike = []) -> None"))
         .def_prop_ro("kind", [](const Lens& l) { return name_of(l.kind); })

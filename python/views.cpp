@@ -5,6 +5,8 @@
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/variant.h>
 
+#include <algorithm>
+
 #include "burnish/error.h"
 #include "burnish/photograph.h"
 #include "optimize/views.h"
@@ -15,18 +17,22 @@
 namespace burnish::python {
 
 Exposure to_exposure(nb::handle value) {
+    const std::string expected = "a number, three numbers, 'fit' or 'fit_rgb'";
     if (nb::isinstance<nb::str>(value)) {
         const std::string name = text_of(value);
         if (name == "fit") return FitExposure{};
         if (name == "fit_rgb") return FitExposure{true};
-    } else if (const auto number = as_number(value, "exposure")) {
+        throw InputError("exposure: found " + repr_of(value) + ", expected " + expected);
+    }
+    if (const auto number = as_number(value, "exposure")) {
         const auto e = static_cast<float>(*number);
         return ExposureFactors{e, e, e};
-    } else if (ExposureFactors factors; nb::try_cast(value, factors)) {
-        return factors;
     }
-    throw InputError(std::string("exposure: found ") + repr_of(value) +
-                     ", expected a number, three numbers, 'fit' or 'fit_rgb'");
+    const auto numbers = to_numbers(value, "exposure", expected, {3});
+    ExposureFactors factors{};
+    std::ranges::transform(numbers, factors.begin(),
+                           [](double e) { return static_cast<float>(e); });
+    return factors;
 }
 
 namespace {

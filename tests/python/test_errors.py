@@ -206,6 +206,49 @@ def test_any_scalar_is_a_number(renderer, target, problem, tmp_path):
         assert burnish.View(target, held_out=true).held_out
 
 
+class OnlyArray:
+    """As a tensor: no sequence, but numpy makes an array of it."""
+
+    def __init__(self, values):
+        self.values = values
+
+    def __array__(self, *arguments, **keywords):
+        return np.array(self.values, np.float32)
+
+
+def rows(values):
+    """The same numbers in several guises, as float32 has them."""
+    yield from (values, np.array(values, np.float32), OnlyArray(values), np.array(values, np.float32).tolist())
+    if importlib.util.find_spec("torch"):
+        import torch
+
+        yield torch.tensor(values)
+
+
+def test_any_array_is_a_row_of_numbers(target):
+    for exposure in rows((0.5, 1.0, 2.0)):
+        assert burnish.View(target, exposure=exposure).exposure == (0.5, 1, 2)
+    for coefficients in rows((0.5, 0.25)):
+        assert burnish.Lens("fisheye", coefficients).coefficients == (0.5, 0.25, 0, 0)
+    for matrix in rows(np.diag((1.0, -1.0, -1.0, 1.0)).tolist()):
+        assert burnish.Camera(8, 8, 1, camera_to_world=matrix).camera_to_world.tolist() == np.diag((1, -1, -1, 1)).tolist()
+    half = fractions.Fraction(1, 2)
+    assert burnish.Lens("fisheye", [half]).coefficients[0] == burnish.View(target, exposure=[half] * 3).exposure[0] == 0.5
+
+
+@pytest.mark.parametrize("make, expected", [
+    (lambda target, wrong: burnish.View(target, exposure=wrong), "a number, three numbers, 'fit' or 'fit_rgb'"),
+    (lambda target, wrong: burnish.Lens("fisheye", wrong), "a row of numbers"),
+    (lambda target, wrong: burnish.Camera(8, 8, 1, camera_to_world=wrong), "four rows of four numbers"),
+])
+def test_what_is_no_row_of_numbers_is_said(target, make, expected):
+    for wrong, error, found in [(np.zeros((2, 3)), burnish.InputError, r"found the shape \(2, 3\), expected {0}"),
+                                (["a", "b", "c"], TypeError, "expected {0}, found an array of <U1"), (set(), TypeError, "expected {0}, found "),
+                                ([[1], [1, 2]], TypeError, "expected {0}, found list"), (Exploding(), TypeError, "expected {0}, found Exploding")]:
+        with pytest.raises(error, match=f": {found.format(expected)}"):
+            make(target, wrong)
+
+
 def test_masked_arrays(renderer, target):
     masked = np.ma.masked_array(target.copy(), mask=np.zeros(target.shape, bool))
     np.testing.assert_array_equal(burnish.View(masked).image, target)
@@ -220,7 +263,7 @@ def test_masked_arrays(renderer, target):
 
 
 def test_none_has_a_sentence(target):
-    for call, message in [(lambda: burnish.View(target, exposure=None), "exposure: found None, expected a number, three numbers"),
+    for call, message in [(lambda: burnish.View(target, exposure=None), "exposure: expected a number, three numbers, 'fit' or 'fit_rgb', found NoneType"),
                           (lambda: burnish.View(target, held_out=None), "held_out: expected True or False, found None"),
                           (lambda: burnish.Sensor(None), "name: expected the id of a sensor or its number, found None")]:
         with pytest.raises((burnish.InputError, TypeError), match=f"^{message}"):
