@@ -172,7 +172,7 @@ PythonSummary run(const PythonProblem& problem, const State* state, nb::handle c
                          : solve(std::move(own), options, after, stages);
         });
     bar.reset();
-    show_result(callback, problem.problem, summary);
+    if (is_first(problem.problem.ranks)) show_result(callback, problem.problem, summary);
     std::vector<std::string> views;
     for (const View& view : problem.problem.views) views.push_back(view.name);
     return {std::move(summary), names_of(problem.problem), std::move(views)};

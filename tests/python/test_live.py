@@ -9,7 +9,7 @@ import pytest
 
 import burnish
 
-from conftest import NAME
+from conftest import NAME, in_two_ranks
 
 
 class Viewer(threading.Thread):
@@ -69,6 +69,20 @@ def test_a_run_is_shown_and_stays_what_it_is(problem, target):
     np.testing.assert_array_equal(images["run/view 0 picture"], target)
     np.testing.assert_array_equal(images["run/view 0"], summary.result.views[0].image)
     assert summary.state == burnish.solve(problem, iterations=5).state
+
+
+def test_the_first_process_alone_shows(renderer, target):
+    viewers = [Viewer(), Viewer()]
+
+    def solve(ranks):
+        problem = burnish.Problem(renderer, [target, target], burnish.Unknown(NAME, 0.5), ranks=ranks)
+        live = burnish.live(viewers[ranks.rank].address)
+        burnish.solve(problem, batch=2, iterations=2, evaluation_spp=2, callback=live)
+        live.show("own", np.zeros((1, 1, 3), np.float32))
+
+    in_two_ranks(solve)
+    first, second = [viewer.wait() for viewer in viewers]
+    assert "burnish/" + NAME in first and list(second) == ["burnish/own"]
 
 
 def test_a_solver_is_shown(problem):
