@@ -192,10 +192,11 @@ void bind_solve(nb::module_& m) {
         "result.\n\nstate: from which the run goes on. callback: called after each iteration, of "
         "several processes by the first; one\nthat returns a true value ends the run. progress: "
         "told the name and the share that is done of what comes before and\nafter the "
-        "iterations, in each process; True: a bar shows it, and in the first process the "
-        "iterations, tqdm's where\nit is installed; False: nothing. checkpoints: a folder, not "
-        "beside a state: the run goes on from the newest\ncheckpoint there, to the bytes of an "
-        "uninterrupted one, and writes one every minute, at its end, and after Ctrl-C." +
+        "iterations, in each process, by any thread, one call at a time; True: a bar shows it, and "
+        "in the first\nprocess the iterations, tqdm's where it is installed; False: nothing. "
+        "checkpoints: a folder, not beside a state: the\nrun goes on from the newest checkpoint "
+        "there, to the bytes of an uninterrupted one, and writes one every minute, at\nits end, "
+        "and after Ctrl-C." +
         options_text();
     m.def("solve", run, nb::arg("problem"), nb::arg("state") = nb::none(),
           nb::arg("callback") = nb::none(), nb::arg("progress") = nb::none(),
