@@ -64,9 +64,19 @@ constexpr const char* kArray = "an array of numbers";
     throw type_error(what + ": expected " + expected + ", found " + found);
 }
 
-/// numpy would drop its mask.
-void require_no_mask(nb::handle array, const std::string& what) {
-    if (!nb::hasattr(array, "mask")) return;
+bool is_sequence(nb::handle object) {
+    return nb::isinstance<nb::list>(object) || nb::isinstance<nb::tuple>(object);
+}
+
+/// numpy would drop its mask, and those of the rows and pixels of lists. depth: of the lists that
+/// are looked into.
+void require_no_mask(nb::handle array, const std::string& what, int depth = 2) {
+    if (is_sequence(array)) {
+        if (depth == 0) return;
+        for (const nb::handle element : array) require_no_mask(element, what, depth - 1);
+        return;
+    }
+    if (PyFloat_CheckExact(array.ptr()) || !nb::hasattr(array, "mask")) return;
     const nb::module_ masked = nb::module_::import_("numpy.ma");
     if (nb::isinstance(array, masked.attr("MaskedArray")) &&
         nb::cast<bool>(masked.attr("is_masked")(array)))

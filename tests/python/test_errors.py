@@ -253,7 +253,9 @@ def test_masked_arrays(renderer, target):
     masked = np.ma.masked_array(target.copy(), mask=np.zeros(target.shape, bool))
     np.testing.assert_array_equal(burnish.View(masked).image, target)
     masked[:8] = np.ma.masked
+    rows = list(masked)
     for call in (lambda: burnish.View(masked), lambda: burnish.View(target, mask=masked), lambda: burnish.encode_png(masked),
+                 lambda: burnish.View(rows), lambda: burnish.View(tuple(rows)), lambda: burnish.View([list(row) for row in rows]),
                  lambda: renderer.gradient(masked, NAME, spp=1)):
         with pytest.raises(burnish.InputError, match=r"found a masked array, whose mask would be lost; expected its \.data or \.filled\(\), "
                                                      r"and for a View mask=~array\.mask$"):
