@@ -126,16 +126,18 @@ Image to_image(nb::handle given, const std::string& what, Meaning meaning) {
     nb::object array = as_numpy(given, what, kArray);
     const std::string kind = kind_of(array), type = dtype_of_array(array);
     if (!has_numbers(array)) fail_for_type(what, kArray, "one of " + type);
-    if (meaning == Meaning::kLinear && (kind == "u" || kind == "b"))
+    if (meaning != Meaning::kWeights && (kind == "u" || kind == "b"))
         throw InputError(what + ": found " + type +
                          ", expected linear values as floating-point numbers; read_image and "
                          "read_photograph decode files");
     const std::size_t ndim = nb::len(nb::object(array.attr("shape")));
     const auto shape = [&](std::size_t i) { return nb::cast<std::size_t>(array.attr("shape")[i]); };
     const std::size_t channels = ndim == 3 ? shape(2) : 1;
-    if (ndim < 2 || ndim > 3 || (channels != 1 && channels != 3))
-        throw InputError(what + ": found the shape " + shape_text(array) +
-                         ", expected (height, width), (height, width, 1) or (height, width, 3)");
+    const bool one_channel_fits = meaning != Meaning::kColours;
+    if (ndim < 2 || ndim > 3 || (channels != 3 && !(one_channel_fits && channels == 1)))
+        throw InputError(what + ": found the shape " + shape_text(array) + ", expected " +
+                         (one_channel_fits ? "(height, width), (height, width, 1) or " : "") +
+                         "(height, width, 3)");
     if (std::min(shape(0), shape(1)) < 1 ||
         std::max(shape(0), shape(1)) > std::size_t{kMaxImageSide})
         throw InputError(fmt::format("{}: found the shape {}, expected sides of 1 to {}", what,

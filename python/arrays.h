@@ -26,7 +26,8 @@ void warn(PyObject* category, const std::string& text);
 
 /// What an array holds.
 enum class Meaning {
-    kLinear,   ///< radiance, texels: whole numbers without a sign are refused, for they are codes
+    kLinear,   ///< texels, images: whole numbers without a sign are refused, for they are codes
+    kColours,  ///< radiance and derivatives by it: likewise, and of three channels alone
     kWeights,  ///< of pixels: whole numbers above 1 are refused, for they are codes, too
 };
 
@@ -36,8 +37,8 @@ inline nb::builtin_exception type_error(const std::string& text) {
 }
 
 /// An image from anything that numpy makes an array of, or that speaks DLPack: [height, width],
-/// [height, width, 1] or [height, width, 3]. Throws TypeError and InputError; what: whose array it
-/// is.
+/// [height, width, 1] or [height, width, 3], of colours the last alone. Throws TypeError and
+/// InputError; what: whose array it is.
 Image to_image(nb::handle given, const std::string& what, Meaning meaning = Meaning::kLinear);
 
 /// The numbers, row by row, of anything that numpy makes an array of, or that speaks DLPack, of

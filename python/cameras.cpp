@@ -233,7 +233,7 @@ void bind_sky(nb::module_& m) {
     nb::class_<Sky>(m, "_Sky", nb::is_weak_referenceable())
         .def("__init__",
              [](Sky* self, nb::object image) {
-                 new (self) Sky{share(to_image(image, "the environment"))};
+                 new (self) Sky{share(to_image(image, "the environment", Meaning::kColours))};
              })
         .def_prop_ro(
             "image",
@@ -258,7 +258,7 @@ void bind_environment(nb::module_& m) {
                 else if (nb::isinstance<Sky>(image))
                     e.image = nb::cast<const Sky&>(image).image;
                 else if (!image.is_none())
-                    e.image = share(to_image(image, "the environment"));
+                    e.image = share(to_image(image, "the environment", Meaning::kColours));
                 e.scale = scale;
                 if (!to_world.is_none()) e.to_world = to_matrix(to_world, "to_world");
                 new (self) Environment(std::move(e));

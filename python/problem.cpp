@@ -94,13 +94,11 @@ LossValue call_loss(const Function& loss, const Image& image, std::size_t view) 
     const nb::object number = nb::steal(PyNumber_Float(nb::object(result[0]).ptr()));
     if (!number.is_valid()) nb::raise_python_error();
     value.value = nb::cast<double>(number);
-    value.adjoint = to_image(nb::object(result[1]), "the adjoint of the loss");
-    if (value.adjoint.width != image.width || value.adjoint.height != image.height ||
-        value.adjoint.channels != 3)
+    value.adjoint = to_image(nb::object(result[1]), "the adjoint of the loss", Meaning::kColours);
+    if (value.adjoint.width != image.width || value.adjoint.height != image.height)
         throw InputError(
-            fmt::format("the adjoint of the loss is [{}, {}, {}], expected the image's [{}, {}, 3]",
-                        value.adjoint.height, value.adjoint.width, value.adjoint.channels,
-                        image.height, image.width));
+            fmt::format("the adjoint of the loss is [{}, {}, 3], expected the image's [{}, {}, 3]",
+                        value.adjoint.height, value.adjoint.width, image.height, image.width));
     return value;
 }
 

@@ -214,7 +214,7 @@ nb::dict gradient(const Renderer& renderer, nb::handle adjoint, nb::handle param
     GradientOptions options{to_count(spp, "spp", 1), to_count(seed, "seed", 0),
                             to_textures(textures, renderer)};
     std::vector<Image> gradients =
-        compute([renderer, names, image = to_image(adjoint, "the adjoint"),
+        compute([renderer, names, image = to_image(adjoint, "the adjoint", Meaning::kColours),
                  options = std::move(options)](const Flag& is_abandoned) {
             return estimate_gradient(renderer, names, image, options, progress_of(is_abandoned));
         });

@@ -50,7 +50,7 @@ bool is_path(nb::handle value) {
 /// A file is read as a photograph: its weights and a mask become one.
 void set_picture(nb::handle image, nb::handle mask, View& view) {
     if (!is_path(image)) {
-        view.image = to_image(image, "the image of the view");
+        view.image = to_image(image, "the image of the view", Meaning::kColours);
         if (!mask.is_none()) view.mask = to_image(mask, "the mask of the view", Meaning::kWeights);
         return;
     }

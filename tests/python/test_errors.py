@@ -320,6 +320,18 @@ def test_arrays_that_do_not_fit(renderer, wrong):
             refused(lambda: burnish.Solver(burnish.Problem(renderer, np.ones((32, 32, 3)), burnish.Unknown(NAME, wrong))))
 
 
+@pytest.mark.parametrize("make, what", [
+    (lambda renderer, wrong: burnish.View(wrong), "the image of the view"),
+    (lambda renderer, wrong: renderer.gradient(wrong, NAME, spp=1), "the adjoint"),
+    (lambda renderer, wrong: burnish.Environment(wrong), "the environment"),
+])
+def test_colours_have_three_channels(renderer, make, what):
+    for shape in [(32, 32), (32, 32, 1), (3, 32, 32)]:
+        with pytest.raises(burnish.InputError) as raised:
+            make(renderer, np.ones(shape))
+        assert str(raised.value) == f"{what}: found the shape {shape}, expected (height, width, 3)"
+
+
 def test_anything_that_is_an_array(renderer):
     values = np.random.default_rng(0).uniform(0.2, 0.8, (32, 32)).astype(np.float32)
     expected = renderer.render({NAME: values}, spp=1)
