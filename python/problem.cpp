@@ -135,8 +135,10 @@ int rank_of(nb::handle ranks, const char* name) {
 Ranks to_ranks(nb::handle ranks) {
     const int rank = rank_of(ranks, "rank"), count = rank_of(ranks, "count");
     check_rank(rank, count);
-    if (!PyCallable_Check(nb::getattr(ranks, "exchange", nb::none()).ptr()))
-        throw nb::type_error("Ranks.exchange: expected a function of a list of bytes");
+    const nb::object exchange = nb::getattr(ranks, "exchange", nb::none());
+    if (!PyCallable_Check(exchange.ptr()))
+        throw type_error("Ranks.exchange: expected a function of a list of bytes, found " +
+                         repr_of(exchange));
     return {rank, count, {}};
 }
 
@@ -276,9 +278,9 @@ void bind_problem(nb::module_& m) {
             [](PythonProblem* self, const Renderer& renderer, nb::object views, nb::object unknowns,
                nb::object loss, nb::object ranks) {
                 if (!loss.is_none() && !PyCallable_Check(loss.ptr()))
-                    throw nb::type_error(
-                        "loss: expected a function of an image and the number of "
-                        "a view; losses by name are options of solve");
+                    throw type_error(
+                        "loss: expected a function of an image and the number of a view, found " +
+                        repr_of(loss) + "; losses by name are options of solve");
                 PythonProblem problem{{renderer, to_views(views), to_unknowns(unknowns), {}}};
                 if (!loss.is_none()) problem.functions.loss = std::make_shared<Function>(loss);
                 if (!ranks.is_none()) {

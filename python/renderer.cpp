@@ -148,7 +148,8 @@ SceneSettings settings_of(const std::optional<std::pair<int, int>>& size,
         throw InputError("light_selection: " + wrong);
     settings.constants = constants;
     if (!definitions.is_none() && !nb::hasattr(definitions, "items"))
-        throw nb::type_error("definitions: expected a mapping of names to values");
+        throw type_error("definitions: expected a mapping of names to values, found " +
+                         type_of(definitions));
     if (!definitions.is_none())
         for (const nb::handle item : definitions.attr("items")())
             settings.definitions[text_of(nb::object(item[0]))] = definition_of(item[1]);
@@ -202,7 +203,8 @@ std::vector<std::string> names_to_differentiate(const Renderer& renderer, nb::ha
     else
         for (const nb::handle name : names) {
             if (!nb::isinstance<nb::str>(name))
-                throw nb::type_error("parameters: expected names of parameters");
+                throw type_error("parameters: expected names of parameters, found " +
+                                 repr_of(name) + " among them");
             all.push_back(text_of(name));
         }
     return all;

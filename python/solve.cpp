@@ -52,7 +52,7 @@ void warn_of_damage(const Checkpoint& from) {
 std::shared_ptr<Function> to_function(nb::handle function, const char* name) {
     if (function.is_none()) return {};
     if (!PyCallable_Check(function.ptr()))
-        throw type_error(std::string(name) + ": expected a function");
+        throw type_error(std::string(name) + ": expected a function, found " + repr_of(function));
     return std::make_shared<Function>(nb::borrow(function));
 }
 
@@ -141,10 +141,10 @@ PythonSummary run(const PythonProblem& problem, const State* state, nb::handle c
                   nb::handle progress, nb::handle checkpoints, const nb::kwargs& given) {
     const Options options = options_of(given, "solve", problem);
     std::optional<Bar> bar;
-    if (progress.ptr() == Py_True) bar.emplace(options, state ? state->values().iteration : 0);
+    const std::optional<bool> shows = as_bool(progress);
+    if (shows.value_or(false)) bar.emplace(options, state ? state->values().iteration : 0);
     const auto hear = to_function(callback, "callback");
-    const bool is_flag = PyBool_Check(progress.ptr());
-    const auto tell = bar ? bar->stage() : is_flag ? nullptr : to_function(progress, "progress");
+    const auto tell = bar ? bar->stage() : shows ? nullptr : to_function(progress, "progress");
     const auto count = bar ? bar->iteration() : nullptr;
     std::optional<std::string> folder;
     if (!checkpoints.is_none()) folder = to_path(checkpoints);

@@ -42,7 +42,8 @@ TextureValues to_textures(nb::handle textures, const Renderer& renderer) {
     TextureValues values;
     if (textures.is_none()) return values;
     if (!nb::hasattr(textures, "items"))
-        throw nb::type_error("textures: expected a mapping of names to arrays");
+        throw type_error("textures: expected a mapping of names to arrays, found " +
+                         type_of(textures));
     for (const nb::handle item : textures.attr("items")()) {
         const std::string name = text_of(nb::object(item[0]));
         const nb::object value = item[1];

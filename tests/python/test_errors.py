@@ -87,6 +87,23 @@ def test_odd_numbers_and_texts_have_a_sentence(renderer, target, problem):
             burnish.Problem(renderer, target, NAME, ranks=ranks)
 
 
+@pytest.mark.parametrize("call, message", [
+    (lambda r, p, t: burnish.solve(p, callback=3), "callback: expected a function, found 3"),
+    (lambda r, p, t: burnish.solve(p, progress="bar"), "progress: expected a function, found 'bar'"),
+    (lambda r, p, t: burnish.Problem(r, t, NAME, ranks=burnish.Ranks(0, 1, 3)),
+     "Ranks.exchange: expected a function of a list of bytes, found 3"),
+    (lambda r, p, t: burnish.Problem(r, t, NAME, "l1"),
+     "loss: expected a function of an image and the number of a view, found 'l1'; losses by name are options of solve"),
+    (lambda r, p, t: burnish.load("a.xml", definitions=["a"]), "definitions: expected a mapping of names to values, found list"),
+    (lambda r, p, t: r.gradient(t, [NAME, 3]), "parameters: expected names of parameters, found 3 among them"),
+    (lambda r, p, t: r.render(t), "textures: expected a mapping of names to arrays, found ndarray"),
+])
+def test_messages_say_what_was_found(renderer, problem, target, call, message):
+    with pytest.raises(TypeError) as raised:
+        call(renderer, problem, target)
+    assert str(raised.value) == message
+
+
 def test_values_in_the_place_of_names_are_refused(renderer, target, problem):
     found = burnish.solve(problem, iterations=1, evaluation_spp=2).textures
     for values in ({NAME: 0.9}, {}, found, renderer.parameters):
@@ -203,6 +220,7 @@ def test_any_scalar_is_a_number(renderer, target, problem, tmp_path):
     renderer.render({NAME: np.int64(1)}, spp=1)
     for true in (np.bool_(True), np.array(True)):
         burnish.Solver(problem, adam_gate=true)
+        burnish.solve(problem, iterations=1, evaluation_spp=2, progress=np.logical_not(true))
         assert burnish.View(target, held_out=true).held_out
 
 
