@@ -36,17 +36,24 @@ nb::list names_of(const Parameters& p) {
     return names;
 }
 
-nb::object texture_of(const Parameters& p, const std::string& name) {
+/// Throws InputError: there is none, or the name is no text.
+nb::object texture_named(const Parameters& p, nb::handle name) {
+    if (!nb::isinstance<nb::str>(name))
+        throw InputError("found " + repr_of(name) + ", expected the name of a texture");
+    return to_array(p.renderer.texture(text_of(name)));
+}
+
+nb::object texture_of(const Parameters& p, nb::object name) {
     try {
-        return to_array(p.renderer.texture(name));
+        return texture_named(p, name);
     } catch (const InputError& e) {
         throw nb::key_error(e.what());
     }
 }
 
-nb::object texture_or(const Parameters& p, const std::string& name, nb::object other) {
+nb::object texture_or(const Parameters& p, nb::object name, nb::object other) {
     try {
-        return to_array(p.renderer.texture(name));
+        return texture_named(p, name);
     } catch (const InputError&) {
         return other;
     }
@@ -80,28 +87,30 @@ void bind_parameters(nb::module_& m) {
                            "and any short form that means one texture.",
                            nb::sig("class Parameters(collections.abc.Mapping[str, "
                                    "numpy.typing.NDArray[numpy.float32]])"))
-        .def("__getitem__", texture_of, nb::arg("name"),
+        .def("__getitem__", texture_of, nb::arg("name").none(),
              nb::sig("def __getitem__(self, name: str, /) -> numpy.typing.NDArray[numpy.float32]"))
         .def("__len__", [](const Parameters& p) { return p.infos.size(); })
         .def(
             "__iter__", [](const Parameters& p) { return nb::iter(names_of(p)); },
             nb::sig("def __iter__(self) -> collections.abc.Iterator[str]"))
-        .def("__contains__",
-             [](const Parameters& p, nb::object name) {
-                 if (!nb::isinstance<nb::str>(name)) return false;
-                 try {
-                     texture_info(p.renderer, text_of(name));
-                     return true;
-                 } catch (const InputError&) {
-                     return false;
-                 }
-             })
+        .def(
+            "__contains__",
+            [](const Parameters& p, nb::object name) {
+                if (!nb::isinstance<nb::str>(name)) return false;
+                try {
+                    texture_info(p.renderer, text_of(name));
+                    return true;
+                } catch (const InputError&) {
+                    return false;
+                }
+            },
+            nb::arg("name").none(), nb::sig("def __contains__(self, name: object, /) -> bool"))
         .def("keys", shown_as("KeysView"),
              nb::sig("def keys(self) -> collections.abc.KeysView[str]"))
         .def("values", shown_as("ValuesView"),
              nb::sig("def values(self) -> "
                      "collections.abc.ValuesView[numpy.typing.NDArray[numpy.float32]]"))
-        .def("get", texture_or, nb::arg("name"), nb::arg("default") = nb::none(),
+        .def("get", texture_or, nb::arg("name").none(), nb::arg("default") = nb::none(),
              nb::sig("def get(self, name: str, /, default: object = None) -> "
                      "typing.Any"))
         .def("items", shown_as("ItemsView"),

@@ -30,6 +30,10 @@ def test_parameters_are_a_mapping_of_names_to_arrays(renderer):
     assert [t.shape for t in parameters.values()] == list(parameters.shapes.values())
     np.testing.assert_array_equal(parameters.get(NAME), texture)
     assert parameters.get("nothing") is None and parameters.get("nothing", 3) == 3
+    for no_text in (None, 3, ("a",)):
+        assert no_text not in parameters and parameters.get(no_text) is None and parameters.get(no_text, 3) == 3
+        with pytest.raises(KeyError, match="expected the name of a texture"):
+            parameters[no_text]
     assert full in repr(burnish.show(parameters))
     assert full in repr(parameters)
 
