@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <tuple>
 
+#include "core/parallel.h"
 #include "gradient/candidates.h"
 #include "gradient/path_cache/path_cache.h"
 
@@ -53,9 +54,10 @@ std::vector<BatchSample> drawn_samples(const std::vector<char>& reaching, Random
 }
 
 /// The blocks that samples of a view come to.
-void add_visits(const Binding& binding, const std::vector<char>& reaching, RandomKey key,
-                std::span<const BatchSample> samples, const std::vector<TexelSums>& sums,
-                std::vector<BlockVisit>& visits) {
+std::vector<BlockVisit> visits_of(const Binding& binding, const std::vector<char>& reaching,
+                                  RandomKey key, std::span<const BatchSample> samples,
+                                  const std::vector<TexelSums>& sums) {
+    std::vector<BlockVisit> visits;
     const std::vector<std::uint32_t> bands = bands_of_pixels(binding.film(), reaching);
     for (const TracedPath& traced :
          trace_paths(unknown_derivatives(binding, key, 1), samples).paths) {
@@ -69,6 +71,7 @@ void add_visits(const Binding& binding, const std::vector<char>& reaching, Rando
                                   camera.iteration});
         }
     }
+    return visits;
 }
 
 /// Of each slot.
@@ -100,11 +103,14 @@ double band_bytes(std::span<const TracedScene> views, std::span<const std::vecto
     const RandomKey key{seed, Stream::kTrial};
     const auto each = std::max(1u, kTried / static_cast<std::uint32_t>(views.size()));
     const std::vector<TexelSums> sums = make_texel_sums(Binding(views.front(), theta));
+    std::vector<std::vector<BlockVisit>> of_view(views.size());
+    parallel_for(views.size(), [&](std::size_t i) {
+        const auto first = static_cast<std::uint32_t>(i) * each;
+        of_view[i] = visits_of(Binding(views[i], theta), reaching[i], key,
+                               drawn_samples(reaching[i], key, first, each), sums);
+    });
     std::vector<BlockVisit> visits;
-    std::uint32_t first = 0;
-    for (std::size_t i = 0; i < views.size(); ++i, first += each)
-        add_visits(Binding(views[i], theta), reaching[i], key,
-                   drawn_samples(reaching[i], key, first, each), sums, visits);
+    for (const auto& own : of_view) visits.insert(visits.end(), own.begin(), own.end());
     const std::vector<BlockCounts> counts = count_blocks(std::move(visits), sums.size());
     double bytes = 0;
     for (std::size_t i = 0; i < sums.size(); ++i) {
