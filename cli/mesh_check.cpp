@@ -66,37 +66,90 @@ Span span_of(const UvTriangle& t, double y) {
     return span;
 }
 
-/// Of a texel that a triangle covers. below_two: how many texels have such a count.
-void raise(unsigned char& count, std::size_t& below_two) {
-    if (count < 2 && ++count == 2) --below_two;
+/// The texels that fewer than two triangles cover, found without a look at the others: where many
+/// faces share one part of the texture, each texel is raised twice and passed over from then on.
+struct OpenTexels {
+    UvCovers& covers;
+    std::size_t left = 0;        ///< how many there are
+    std::vector<int> next = {};  ///< [height, width + 1]: a column at or before the row's next one
+};
+
+OpenTexels open_texels(UvCovers& covers) {
+    OpenTexels open{covers};
+    open.next.reserve(covers.count.size() + static_cast<std::size_t>(covers.height));
+    auto count = covers.count.begin();
+    for (int y = 0; y < covers.height; ++y) {
+        for (int x = 0; x < covers.width; ++x, ++count) {
+            open.next.push_back(*count < 2 ? x : x + 1);
+            open.left += *count < 2;
+        }
+        open.next.push_back(covers.width);
+    }
+    return open;
+}
+
+/// One row of them.
+struct OpenRow {
+    unsigned char* count;
+    int* next;
+    int width;
+};
+
+OpenRow row_of(OpenTexels& open, int y) {
+    const auto width = static_cast<std::size_t>(open.covers.width),
+               row = static_cast<std::size_t>(y);
+    return {open.covers.count.data() + row * width, open.next.data() + row * (width + 1),
+            open.covers.width};
+}
+
+/// The first open column from one on; the width: there is none. Shortens the way there.
+int next_open(const OpenRow& row, int column) {
+    while (row.next[column] != column) column = row.next[column] = row.next[row.next[column]];
+    return column;
+}
+
+/// Of an open texel that a triangle covers.
+void raise(const OpenRow& row, int column, OpenTexels& open) {
+    if (++row.count[column] < 2) return;
+    row.next[column] = column + 1;
+    --open.left;
+}
+
+void raise_all(OpenTexels& open) {
+    for (int y = 0; y < open.covers.height; ++y) {
+        const OpenRow row = row_of(open, y);
+        for (int x = next_open(row, 0); x < row.width; x = next_open(row, x + 1))
+            raise(row, x, open);
+    }
 }
 
 /// The triangle in texels.
-void add_triangle(const UvTriangle& t, UvCovers& covers, std::size_t& below_two) {
+void add_triangle(const UvTriangle& t, OpenTexels& open) {
     if (!(twice_area(t[0], t[1], t[2]) > 0)) return;
-    const int width = covers.width, height = covers.height;
+    const int width = open.covers.width, height = open.covers.height;
     const auto wrapped = [](int i, int size) { return ((i % size) + size) % size; };
     const auto [x0, x1] = std::minmax({t[0].x, t[1].x, t[2].x});
     const auto [y0, y1] = std::minmax({t[0].y, t[1].y, t[2].y});
-    constexpr double kMax = 1e9;  // of numbers of texels
-    if (!(y1 - y0 <= 2 * height && -x0 < kMax && x1 < kMax && -y0 < kMax && y1 < kMax)) {
-        for (unsigned char& count : covers.count) raise(count, below_two);
-        return;
-    }
+    constexpr double kMax = 1e9, kRounding = 1e-3;  // of numbers of texels
+    if (!(y1 - y0 <= 2 * height && -x0 < kMax && x1 < kMax && -y0 < kMax && y1 < kMax))
+        return raise_all(open);
     const int top = static_cast<int>(std::ceil(y0 - 0.5));
     for (int y = top; y + 0.5 <= y1; ++y) {
+        const OpenRow row = row_of(open, wrapped(y, height));
+        if (next_open(row, 0) == width) continue;
         const Span span = span_of(t, y + 0.5);
-        const int first = static_cast<int>(std::floor(std::clamp(span.low - 1, x0, x1)));
-        int last = static_cast<int>(std::floor(std::clamp(span.high + 1, x0, x1)));
+        const int first =
+            static_cast<int>(std::ceil(std::clamp(span.low - kRounding, x0, x1) - 0.5));
+        int last = static_cast<int>(std::floor(std::clamp(span.high + kRounding, x0, x1) - 0.5));
         last = std::min(last, first + 2 * width + 3);  // by then each column is covered twice
-        unsigned char* const row =
-            covers.count.data() +
-            static_cast<std::size_t>(width) * static_cast<std::size_t>(wrapped(y, height));
-        for (int x = first, column = wrapped(first, width); x <= last; ++x) {
+        for (int x = first; x <= last;) {
+            const int column = wrapped(x, width), found = next_open(row, column);
+            x += found - column;
+            if (found == width) continue;                        // where the texture repeats
             const bool inside = y0 < y + 0.5 && y + 0.5 < y1 &&  // an edge there has one owner
-                                x > span.low + 1 && x + 1 < span.high - 1;
-            if (inside || contains(t, {x + 0.5, y + 0.5})) raise(row[column], below_two);
-            if (++column == width) column = 0;
+                                x + 0.5 > span.low + kRounding && x + 0.5 < span.high - kRounding;
+            if (x <= last && (inside || contains(t, {x + 0.5, y + 0.5}))) raise(row, found, open);
+            ++x;
         }
     }
 }
@@ -179,12 +232,10 @@ UvCovers make_covers(int width, int height) {
 }
 
 void add_covers(const Mesh& mesh, const UvTransform& to_uv, UvCovers& covers) {
-    auto below_two =
-        static_cast<std::size_t>(std::ranges::count_if(covers.count, [](auto c) { return c < 2; }));
+    OpenTexels open = open_texels(covers);
     for (const Triangle& triangle : mesh.triangles) {
-        if (below_two == 0) return;
-        add_triangle(uv_triangle(mesh, triangle, to_uv, covers.width, covers.height), covers,
-                     below_two);
+        if (open.left == 0) return;
+        add_triangle(uv_triangle(mesh, triangle, to_uv, covers.width, covers.height), open);
     }
 }
 

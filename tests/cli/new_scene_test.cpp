@@ -878,6 +878,18 @@ TEST(MeshCheck, FacesThatEachFillTheTextureAreCountedSoon) {
     EXPECT_EQ(shares_of(covers).overlapping, 1);
 }
 
+/// 2 * 10^10 texels.
+TEST(MeshCheck, FacesThatShareHalfOfTheTextureAreCountedSoon) {
+    Mesh mesh;
+    mesh.uvs = {{0, 0}, {1, 0}, {1, 1}};
+    mesh.triangles.assign(2000, {{0, 1, 2}});
+    UvCovers covers = make_covers(4096, 4096);
+    const std::clock_t begin = std::clock();
+    add_covers(mesh, {}, covers);
+    EXPECT_LT(std::clock() - begin, 5 * CLOCKS_PER_SEC);
+    EXPECT_EQ(shares_of(covers).overlapping, 1);
+}
+
 /// An edge along a row of centres belongs to one of its triangles; one of no height covers nothing.
 TEST(MeshCheck, AnEdgeThroughCentresIsCountedOnce) {
     Mesh mesh;
