@@ -5,11 +5,10 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <map>
-#include <tuple>
 #include <utility>
 
 #include "core/vec.h"
+#include "mitsuba/mesh.h"
 #include "paths/surface.h"
 #include "shading/texture.h"
 
@@ -154,19 +153,8 @@ void add_triangle(const UvTriangle& t, OpenTexels& open) {
     }
 }
 
-/// A number for each place: vertices are apart where texture coordinates or normals differ.
-std::vector<std::uint32_t> places_of(const Mesh& mesh) {
-    std::map<std::tuple<float, float, float>, std::uint32_t> known;
-    std::vector<std::uint32_t> places;
-    for (const Vec3f& p : mesh.positions)
-        places.push_back(
-            known.try_emplace({p.x, p.y, p.z}, static_cast<std::uint32_t>(known.size()))
-                .first->second);
-    return places;
-}
-
 bool is_closed(const Mesh& mesh) {
-    const std::vector<std::uint32_t> place = places_of(mesh);
+    const std::vector<std::uint32_t> place = mitsuba::places_of(mesh);
     std::vector<std::pair<std::uint32_t, std::uint32_t>> forward, backward;
     for (const Triangle& t : mesh.triangles)
         for (std::size_t i = 0; i < 3; ++i) {

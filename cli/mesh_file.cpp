@@ -65,6 +65,7 @@ FoundMesh read_mesh(const std::filesystem::path& file) {
                         "within {:g} of the origin: scale the mesh",
                         file.string(), p.x, p.y, p.z, kMaxMeshReach));
     }
+    if (read.mesh.normals.empty()) read.mesh.normals = mitsuba::smooth_normals_of_places(read.mesh);
     if (const std::size_t count = mitsuba::fill_zero_normals(read.mesh))
         read.notes.push_back(mitsuba::zero_normals_text(count));
     read.mesh = mitsuba::finish_mesh(std::move(read.mesh), {});

@@ -27,8 +27,9 @@ std::string note_of_materials(std::size_t count);
 
 /// By the extension: .obj, .ply (texture coordinates of vertices or of the corners of faces; v
 /// upwards in both, as in Blender and MeshLab) or .glb (the triangles of its scene, moved where its
-/// nodes place them; flat where a primitive has no normals). Throws InputError: malformed, a
-/// vertex beyond kMaxMeshReach, or a kind of file that is not known.
+/// nodes place them; flat where a primitive has no normals). An OBJ or PLY file without normals
+/// gets smooth ones, of vertices at one place together. Throws InputError: malformed, a vertex
+/// beyond kMaxMeshReach, or a kind of file that is not known.
 FoundMesh read_mesh(const std::filesystem::path& file);
 
 /// Of binary glTF 2.0. Throws InputError: file, place, what was found and what was expected.

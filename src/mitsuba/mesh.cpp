@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
+#include <tuple>
 #include <utility>
 
 namespace burnish::mitsuba {
@@ -21,8 +23,11 @@ void swap_winding(Mesh& mesh) {
 
 }  // namespace
 
-// [Thuermer and Wuethrich 1998, "Computing Vertex Normals from Polygonal Facets"]
-std::vector<Vec3f> smooth_normals(const Mesh& mesh) {
+namespace {
+
+/// Of the unit normals of the faces at each vertex, weighted by the angle there [Thuermer and
+/// Wuethrich 1998, "Computing Vertex Normals from Polygonal Facets"].
+std::vector<Vec3<double>> normal_sums(const Mesh& mesh) {
     std::vector<Vec3<double>> sums(mesh.positions.size());
     for (const Triangle& t : mesh.triangles) {
         const auto corner = [&](std::size_t i) {
@@ -36,6 +41,10 @@ std::vector<Vec3f> smooth_normals(const Mesh& mesh) {
                 normal *
                 (angle_between(corner(i + 1) - corner(i), corner(i + 2) - corner(i)) / area);
     }
+    return sums;
+}
+
+std::vector<Vec3f> units_along(const std::vector<Vec3<double>>& sums) {
     std::vector<Vec3f> normals(sums.size());
     std::transform(sums.begin(), sums.end(), normals.begin(), [](const Vec3<double>& sum) {
         const double l = length(sum);
@@ -44,6 +53,32 @@ std::vector<Vec3f> smooth_normals(const Mesh& mesh) {
                      static_cast<float>(sum.z / l)};
     });
     return normals;
+}
+
+}  // namespace
+
+std::vector<Vec3f> smooth_normals(const Mesh& mesh) { return units_along(normal_sums(mesh)); }
+
+std::vector<std::uint32_t> places_of(const Mesh& mesh) {
+    std::map<std::tuple<float, float, float>, std::uint32_t> known;
+    std::vector<std::uint32_t> places;
+    for (const Vec3f& p : mesh.positions)
+        places.push_back(
+            known.try_emplace({p.x, p.y, p.z}, static_cast<std::uint32_t>(known.size()))
+                .first->second);
+    return places;
+}
+
+std::vector<Vec3f> smooth_normals_of_places(const Mesh& mesh) {
+    constexpr double kCancelled = 1e-3;  // far above rounding
+    std::vector<Vec3<double>> sums = normal_sums(mesh), at_place(sums.size());
+    const std::vector<std::uint32_t> places = places_of(mesh);
+    for (std::size_t v = 0; v < sums.size(); ++v) at_place[places[v]] += sums[v];
+    for (std::size_t v = 0; v < sums.size(); ++v) {
+        const Vec3<double>& all = at_place[places[v]];
+        if (dot(all, sums[v]) > kCancelled * dot(sums[v], sums[v])) sums[v] = all;
+    }
+    return units_along(sums);
 }
 
 std::size_t fill_zero_normals(Mesh& mesh) {

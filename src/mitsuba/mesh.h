@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <functional>
 #include <optional>
 #include <string>
@@ -50,6 +51,12 @@ struct MeshOptions {
 
 /// Unit normals of faces, weighted by the angle at the vertex.
 std::vector<Vec3f> smooth_normals(const Mesh& mesh);
+
+/// A number for each place: vertices are apart where texture coordinates or normals differ.
+std::vector<std::uint32_t> places_of(const Mesh& mesh);
+/// The same of vertices at one place together, whatever parts them, except of those whose own faces
+/// look to the other side, as of a sheet with two sides.
+std::vector<Vec3f> smooth_normals_of_places(const Mesh& mesh);
 
 /// Gives vertices whose normal is 0 0 0 the one that smooth_normals has there. Returns how many of
 /// these vertices faces use. mesh: no normals, or one for each vertex.

@@ -334,6 +334,80 @@ TEST_F(NewSceneTest, APrimitiveOfAGlbKeepsItsNormalsBesideOneWithoutThem) {
     for (std::size_t i = 6; i < 12; ++i) EXPECT_EQ(length(found[i] - Vec3f{0, 0, 1}), 0) << i;
 }
 
+/// A cylinder of four faces about the y axis, without ends and normals: each face is a chart, in
+/// PLY the texture coordinates of the corners of a face or vertices of its own.
+struct CylinderFiles {
+    std::string obj, ply_of_corners, ply_of_vertices;
+
+    CylinderFiles() {
+        constexpr const char* kPositions[] = {"1 0 0",  "1 1 0",  "0 0 -1", "0 1 -1",
+                                              "-1 0 0", "-1 1 0", "0 0 1",  "0 1 1"};
+        std::string corner_faces, vertices, vertex_faces;
+        for (const char* p : kPositions) obj += fmt::format("v {}\n", p);
+        for (const char* p : kPositions) ply_of_corners += fmt::format("{}\n", p);
+        for (int face = 0; face < 4; ++face) {
+            const int corners[] = {2 * face, 2 * face + 2, 2 * face + 3, 2 * face + 1};
+            const double left = 0.25 * face, right = left + 0.2;
+            const std::string uvs[] = {fmt::format("{} 0", left), fmt::format("{} 0", right),
+                                       fmt::format("{} 1", right), fmt::format("{} 1", left)};
+            std::string obj_face = "f", list;
+            for (int i = 0; i < 4; ++i) {
+                const int p = corners[i] % 8;
+                obj += fmt::format("vt {}\n", uvs[i]);
+                obj_face += fmt::format(" {}/{}", p + 1, 4 * face + i + 1);
+                list += fmt::format(" {}", p);
+                vertices += fmt::format("{} {}\n", kPositions[p], uvs[i]);
+            }
+            obj += obj_face + "\n";
+            corner_faces += fmt::format("4{} 8 {}\n", list, fmt::join(uvs, " "));
+            vertex_faces +=
+                fmt::format("4 {} {} {} {}\n", 4 * face, 4 * face + 1, 4 * face + 2, 4 * face + 3);
+        }
+        const auto header = [](int count, const char* of_vertices, const char* of_faces) {
+            return fmt::format(
+                "ply\nformat ascii 1.0\nelement vertex {}\nproperty float x\nproperty float y\n"
+                "property float z\n{}element face 4\nproperty list uchar int vertex_indices\n"
+                "{}end_header\n",
+                count, of_vertices, of_faces);
+        };
+        ply_of_corners =
+            header(8, "", "property list uchar float texcoord\n") + ply_of_corners + corner_faces;
+        ply_of_vertices =
+            header(16, "property float u\nproperty float v\n", "") + vertices + vertex_faces;
+    }
+};
+
+TEST_F(NewSceneTest, SmoothNormalsGoAcrossSeamsOfTheTexture) {
+    const CylinderFiles cylinder;
+    write_text(obj, cylinder.obj);
+    const fs::path of_vertices = folder / "of_vertices.ply";
+    write_text(ply, cylinder.ply_of_corners);
+    write_text(of_vertices, cylinder.ply_of_vertices);
+    for (const fs::path& file : {obj, ply, of_vertices}) {
+        const Mesh mesh = read_mesh(file).mesh;
+        ASSERT_EQ(mesh.positions.size(), 16u) << file;
+        for (std::size_t v = 0; v < 16; ++v) {
+            const Vec3f p = mesh.positions[v];
+            // A face has a triangle more at two of its corners.
+            EXPECT_GT(dot(mesh.normals[v], Vec3f{p.x, 0, p.z}), 0.9f) << file << v;
+            for (std::size_t other = 0; other < v; ++other)
+                if (mesh.positions[other] == p) {
+                    EXPECT_EQ(mesh.normals[other], mesh.normals[v]) << file << v;
+                }
+        }
+    }
+}
+
+TEST_F(NewSceneTest, SmoothNormalsKeepToTheirSideOfASheet) {
+    write_text(obj,
+               "v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvt 0.4 0\nvt 0 0.4\nvt 0.5 0.5\nvt 1 0.5\n"
+               "vt 0.5 1\nf 1/1 2/2 3/3\nf 1/4 3/6 2/5\n");
+    const Mesh mesh = read_mesh(obj).mesh;
+    ASSERT_EQ(mesh.normals.size(), 6u);
+    for (std::size_t v = 0; v < 6; ++v)
+        EXPECT_EQ(mesh.normals[v], (Vec3f{0, 0, v < 3 ? 1.0f : -1.0f})) << v;
+}
+
 TEST_F(NewSceneTest, NormalsOf000AreThoseOfTheFacesAroundAndAreCounted) {
     const std::vector<std::string> counted{
         "1 vertex has the normal 0 0 0: computed from the faces around"};
