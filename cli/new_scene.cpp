@@ -68,7 +68,8 @@ std::string plain_name(const fs::path& file) {
     for (const char c : file.stem().string())
         name += std::isalnum(static_cast<unsigned char>(c)) || c == '-' || c == '_' ? c : '_';
     if (name == "sky") return "sky_mesh";
-    return name.empty() ? "model" : name;
+    constexpr std::size_t kMax = 200;  // of the 255 bytes of a file system: endings follow
+    return name.empty() ? "model" : name.substr(0, kMax);
 }
 
 std::string numbers_text(const Vec3<double>& v) {

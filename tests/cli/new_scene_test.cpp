@@ -786,6 +786,14 @@ TEST_F(NewSceneTest, SaysWhereMeshAndCamerasHaveOtherUnits) {
     }
 }
 
+TEST_F(NewSceneTest, NamesOfFilesEndBeforeTheyAreTooLong) {
+    const std::string name(250, 'm');
+    fs::copy(obj, folder / (name + ".obj"));
+    const Outcome made = run("new --mesh " + name + ".obj -o scene");
+    ASSERT_EQ(made.code, 0) << made.err;
+    EXPECT_TRUE(fs::exists(folder / "scene/meshes" / (name.substr(0, 200) + ".ply")));
+}
+
 TEST_F(NewSceneTest, WritesIntoAFolderThatIsThere) {
     fs::create_directory(folder / "here");
     fs::permissions(folder / "here", fs::perms::set_gid, fs::perm_options::add);
