@@ -61,7 +61,7 @@ void add_new_command(CLI::App& app) {
     add_text(*command, "-o,--output", options->output, "DIR", "The folder; a new or an empty one")
         ->required();
     add_number(*command, "--texture-size", options->scene.texture_size, "N", "Side of the textures",
-               {1, 16384, true});
+               {1, 8192, true});
     command->add_option("--up", options->up, "The axis of the mesh that points up")
         ->type_name("y|z")
         ->check(CLI::Validator(

@@ -843,6 +843,8 @@ TEST_F(NewSceneTest, RefusesWhatItCannotUseAndLeavesNothing) {
          "model.ply: expected the sky as HDR, EXR or PFM"},
         {"--mesh model.obj --environment bad.hdr -o out", "burnish: bad.hdr: "},
         {"--mesh model.obj -o out --texture-size 0", "--texture-size"},
+        {"--mesh model.obj -o out --texture-size 8193",
+         "--texture-size: expected a whole number from 1 to 8192"},
         {"--mesh model.obj -o out --up x", "--up: expected y or z, found 'x'"},
         {"--mesh model.obj -o out --views transforms.json --up z",
          "--up has no effect with --views: it needs --environment"},
