@@ -9,6 +9,8 @@
 #include "cli/new_scene.h"
 #include "cli/option_text.h"
 #include "cli/scene_input.h"
+#include "core/at_place.h"
+#include "optimize/views.h"
 
 namespace burnish {
 
@@ -19,12 +21,21 @@ struct NewOptions {
     std::string views, images, output, up = "y";
 };
 
+/// Of the views, the first of which the scene can have.
+std::vector<Camera> read_cameras(const NewOptions& options) {
+    std::vector<Camera> cameras;
+    const std::vector<CapturedView> views = read_named_views(options.views, options.images);
+    for (const CapturedView& v : views) cameras.push_back(std::get<Camera>(v.view.camera));
+    const std::string& place = views.front().places.camera;
+    at_place(place.empty() ? options.views + ": " + name_of(views.front().view, 0) : place,
+             [&] { require_scene_camera(cameras.front()); });
+    return cameras;
+}
+
 void run(const NewOptions& options) {
     NewScene scene = options.scene;
     scene.up = options.up == "z" ? UpAxis::kZ : UpAxis::kY;
-    if (!options.views.empty())
-        for (const CapturedView& v : read_named_views(options.views, options.images))
-            scene.cameras.push_back(std::get<Camera>(v.view.camera));
+    if (!options.views.empty()) scene.cameras = read_cameras(options);
     const NewSceneReport report = write_new_scene(scene, options.output);
     const std::string file = (std::filesystem::path(options.output) / "scene.xml").string();
     log_info(fmt::format("{}: {} in {}, {:.0f} % of the texture is used", file,
@@ -34,6 +45,7 @@ void run(const NewOptions& options) {
         log_warning(fmt::format("{}: {}", scene.mesh.string(), text));
     for (const std::string& text : report.camera_warnings)
         log_warning(fmt::format("{}: {}", options.views, text));
+    for (const std::string& text : report.notes) log_info("note: " + text);
     if (scene.environment.empty())
         log_info("note: no --environment: light of radiance 1 comes from everywhere");
     log_info(fmt::format("look at it:       burnish render {} -o look.png", shell_word(file)));

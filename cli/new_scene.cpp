@@ -14,6 +14,7 @@
 #include "image/files.h"
 #include "image/image.h"
 #include "mitsuba/load.h"
+#include "render/view.h"
 #include "scenes/scene_files.h"
 #include "scenes/scene_xml.h"
 #include "shading/lens.h"
@@ -260,11 +261,44 @@ void check_environment(const fs::path& file) {
     read_image(file);
 }
 
+/// A text with the name of the folder where its files will lie.
+std::string in_place(std::string text, const OutputFolder& output) {
+    const std::string unfinished = output.unfinished.string(),
+                      folder = (output.folder / "scene.xml").parent_path().string();
+    for (std::size_t at = 0; (at = text.find(unfinished, at)) != std::string::npos;
+         at += folder.size())
+        text.replace(at, unfinished.size(), folder);
+    return text;
+}
+
+/// Returns body(), whose errors name the files where they would lie.
+template <class Body>
+auto naming_in_place(const OutputFolder& output, const Body& body) {
+    try {
+        return body();
+    } catch (const InputError& e) {
+        throw InputError(in_place(e.what(), output));
+    } catch (const OutputError& e) {
+        throw OutputError(in_place(e.what(), output));
+    }
+}
+
 std::size_t count_charts(const Scene& scene) {
     return std::ranges::max(texture_charts(scene, scene.parameters.front().texture));
 }
 
 }  // namespace
+
+void require_scene_camera(const Camera& camera) {
+    check_camera(camera);
+    constexpr double kMaxOffset = 1000;  // of a sensor's principal point, from the middle
+    if (!(std::abs(camera.center_x / camera.width - 0.5) <= kMaxOffset &&
+          std::abs(camera.center_y / camera.height - 0.5) <= kMaxOffset))
+        throw InputError(fmt::format(
+            "the principal point is at ({:g}, {:g}) pixels, expected it within {:g} widths and "
+            "heights of the picture's middle",
+            camera.center_x, camera.center_y, kMaxOffset));
+}
 
 NewSceneReport write_new_scene(const NewScene& scene, const fs::path& folder) {
     OutputFolder output = open_output_folder(folder, Found::kEmpty);
@@ -281,19 +315,18 @@ NewSceneReport write_new_scene(const NewScene& scene, const fs::path& folder) {
             "{}: all vertices are at one place, or almost, expected a mesh of some size",
             scene.mesh.string()));
     const std::string name = plain_name(scene.mesh);
-    write_files(scene, name, file, check, output.unfinished);
-    const LoadedScene loaded = load_scene(output.unfinished / "scene.xml");
+    const LoadedScene loaded = naming_in_place(output, [&] {
+        write_files(scene, name, file, check, output.unfinished);
+        return load_scene(output.unfinished / "scene.xml");
+    });
 
     NewSceneReport report{"mat-" + name, check.triangles, count_charts(loaded.scene),
                           check.used_share, std::move(file.notes)};
     for (std::string& text : complaints(check)) report.warnings.push_back(std::move(text));
     report.camera_warnings = complaints_of_cameras(scene, check);
-    const std::string unfinished = output.unfinished.string();
-    for (std::string text : loaded.warnings) {
-        if (text.starts_with(unfinished))  // where the file will lie
-            text.replace(0, unfinished.size(), folder.string());
-        report.warnings.push_back(std::move(text));
-    }
+    for (const std::string& text : loaded.warnings)
+        report.warnings.push_back(in_place(text, output));
+    for (const std::string& text : loaded.notes) report.notes.push_back(in_place(text, output));
     move_scene_into_place(output);
     return report;
 }

@@ -135,13 +135,8 @@ Camera with_right_angles(Camera camera) {
 }
 
 TracedScene through_camera(const TracedScene& view, const Camera& given) {
-    check_pixels(given);
-    require(is_rigid(Transform{given.camera_to_world}),
-            "camera_to_world scales, shears or mirrors: expected a rotation and a translation");
+    check_camera(given);
     const Camera camera = with_right_angles(given);
-    const Matrix& m = camera.camera_to_world;
-    require(length(Vec3<double>{m[3], m[7], m[11]}) <= kMaxDistance,
-            "the camera is further than 1e12 from the origin");
     require(std::all_of(camera.lens.coefficients.begin(), camera.lens.coefficients.end(),
                         [](double c) { return std::isfinite(c); }),
             "the lens has coefficients that are not finite");
@@ -218,6 +213,15 @@ EnvironmentEmitter changed(const Environment& environment, const EnvironmentEmit
 }
 
 }  // namespace
+
+void check_camera(const Camera& camera) {
+    check_pixels(camera);
+    require(is_rigid(Transform{camera.camera_to_world}),
+            "camera_to_world scales, shears or mirrors: expected a rotation and a translation");
+    const Matrix& m = camera.camera_to_world;
+    require(length(Vec3<double>{m[3], m[7], m[11]}) <= kMaxDistance,
+            "the camera is further than 1e12 from the origin");
+}
 
 void require_emitters(const Scene& scene, const std::vector<std::string>& ids) {
     for (const std::string& id : ids)

@@ -17,6 +17,9 @@ TracedScene through(const TracedScene& view, const ViewCamera& camera);
 /// change, or numbers out of range.
 TracedScene under(const TracedScene& view, const Lighting& lighting);
 
+/// Throws InputError where a camera is none that a scene can be seen through, whatever its lens.
+void check_camera(const Camera& camera);
+
 /// Throws InputError where the scene has no emitter of one of the ids.
 void require_emitters(const Scene& scene, const std::vector<std::string>& ids);
 

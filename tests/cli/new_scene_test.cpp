@@ -727,6 +727,40 @@ TEST_F(NewSceneTest, TakesTheCameraOfTheFirstPicture) {
 }
 
 /// Through a pinhole it would lie aside of each, or behind the camera.
+TEST_F(NewSceneTest, RefusesACameraThatASceneCannotHave) {
+    const std::string views = transforms_at(5);
+    const std::pair<std::string, std::string> cases[] = {
+        {with(views, "[1,0,0,1]", "[1,0,0,1e13]"), "the camera is further than 1e12 from"},
+        {with(views, "\"cx\": 40", "\"cx\": 1e6"),
+         "the principal point is at (1e+06, 10) pixels, expected it within 1000 widths"},
+        {with(with(views, "\"w\": 60", "\"w\": 30000"), "\"h\": 30", "\"h\": 30000"),
+         "the camera has 30000 x 30000 pixels: expected at most 134217728 in all"}};
+    for (const auto& [text, complaint] : cases) {
+        write_text(folder / "transforms.json", text);
+        const Outcome made = run("new --mesh model.obj --views transforms.json -o scene");
+        EXPECT_EQ(made.code, 65) << made.err;
+        EXPECT_TRUE(made.err.starts_with("burnish: transforms.json: frames[0]: " + complaint))
+            << made.err;
+        EXPECT_FALSE(fs::exists(folder / "scene"));
+    }
+}
+
+TEST_F(NewSceneTest, ErrorsNameTheSceneThatWouldBe) {
+    const Outcome made = shell("ulimit -f 8; '" BURNISH_BINARY "' new --mesh model.obj -o scene/");
+    EXPECT_EQ(made.code, 73) << made.err;
+    EXPECT_TRUE(made.err.starts_with("burnish: scene/textures/model_base_color.exr: ")) << made.err;
+    EXPECT_FALSE(contains(made.err, "unfinished")) << made.err;
+}
+
+TEST_F(NewSceneTest, NotesWhatOfTheSkyIsNotRead) {
+    write_image(folder / "sky.exr", make_image(8, 4, 3, -1.0f));
+    const Outcome made = run("new --mesh model.obj --environment sky.exr -o scene/");
+    ASSERT_EQ(made.code, 0) << made.err;
+    EXPECT_TRUE(contains(made.err, "note: scene/scene.xml:")) << made.err;
+    EXPECT_TRUE(contains(made.err, "texels of negative luminance: read as black")) << made.err;
+    EXPECT_FALSE(contains(made.err, "unfinished")) << made.err;
+}
+
 TEST_F(NewSceneTest, ALensMayShowTheMeshWhereAPinholeWouldNot) {
     struct Case {
         const char* lens;
