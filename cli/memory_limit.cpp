@@ -4,11 +4,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <functional>
 
 #include "burnish/error.h"
-#include "captures/pictures.h"
 #include "cli/console.h"
+#include "cli/picture_memory.h"
 #include "cli/process_memory.h"
 #include "cli/progress.h"
 #include "cli/unseeing_views.h"
@@ -129,23 +128,6 @@ MemoryEstimate plan_run(const RunViews& views, const Theta& theta, double limit,
     return memory;
 }
 
-/// Pictures that are read at once, and their bytes.
-struct AtOnce {
-    std::size_t count = 0;
-    double bytes = 0;
-};
-
-/// As many as fit whichever they are, but one at least. each: bytes of each.
-AtOnce fitting(std::vector<double> each, double room, std::size_t threads) {
-    std::ranges::sort(each, std::greater<>());
-    AtOnce fit;
-    for (const double bytes : each) {
-        if (fit.count == threads || (fit.count > 0 && fit.bytes + bytes > room)) break;
-        ++fit.count, fit.bytes += bytes;
-    }
-    return fit;
-}
-
 /// What the program takes besides is left out, but not of the limit that is named: one below that
 /// is refused once all is known.
 void require_memory(double bytes, double limit, const std::string& what) {
@@ -176,12 +158,8 @@ void require_scene_memory(const Scene& scene, const RunSettings& settings) {
 }
 
 std::size_t plan_pictures(const Scene& scene, RunResult& run) {
-    const TickingLine line("measuring the pictures");
     const RunSettings& settings = run.settings.run;
-    std::vector<PictureBytes> pictures(run.sources.size());
-    parallel_tasks(pictures.size(), [&](std::size_t i) {
-        pictures[i] = picture_bytes(run.sources[i], settings.scale);
-    });
+    const std::vector<PictureBytes> pictures = bytes_of_pictures(run.sources, settings.scale);
     std::vector<double> reading;
     double kept = 0;
     for (const PictureBytes& bytes : pictures) reading.push_back(bytes.reading), kept += bytes.kept;

@@ -14,6 +14,7 @@
 #include "burnish/error.h"
 #include "captures/pictures.h"
 #include "cli/console.h"
+#include "cli/picture_memory.h"
 #include "cli/progress.h"
 #include "core/at_place.h"
 #include "core/lower_case.h"
@@ -152,7 +153,8 @@ ViewCamera camera_for(const RunSettings& run, const CapturedView& view, const Ph
 
 CheckedViews check_views(const Renderer& renderer, const std::vector<CapturedView>& views) {
     std::vector<CheckedView> each(views.size());
-    for_pictures(views.size(), views.size(),
+    const double room = room_beside(renderer.data().scene());
+    for_pictures(views.size(), pictures_at_once(views, room),
                  [&](std::size_t i) { each[i] = check_view(renderer, views[i]); });
     CheckedViews checked;
     Pictures pictures;

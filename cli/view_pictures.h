@@ -34,7 +34,7 @@ struct CheckedViews {
     std::vector<std::string> findings;  ///< what optimize would refuse or could not fit in their
                                         ///< pictures, masks and lights, and what it would warn of
 };
-/// Reads the pictures, with progress.
+/// Reads the pictures, with progress, as many at once as half of the machine's memory holds.
 CheckedViews check_views(const Renderer& renderer, const std::vector<CapturedView>& views);
 
 /// mask_blind_pixels of optimize/views.h. Returns what is said of it; empty: nothing is left out.

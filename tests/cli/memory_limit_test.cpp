@@ -1,12 +1,15 @@
 // --max-memory against what the process really takes.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <csignal>
 #include <cstring>
 #include <nlohmann/json.hpp>
 
+#include "cli/picture_memory.h"
 #include "cli/program.h"
+#include "core/parallel.h"
 #include "optimize/checkpoint.h"
 
 namespace burnish {
@@ -106,6 +109,22 @@ TEST_F(MemoryLimit, PicturesThatAreReadAtOnceFitTheLimitAtTheirFullSize) {
         EXPECT_LE(summary["peak_memory_bytes"], summary["memory_estimate_bytes"]["maximum"]);
         EXPECT_LE(summary["memory_estimate_bytes"]["maximum"].get<double>(), limit * 0x1p30);
     }
+}
+
+/// Of pictures that are read and forgotten, as `info` does.
+TEST_F(MemoryLimit, AsManyPicturesAreReadAtOnceAsFitWhicheverTheyAre) {
+    write_image(folder / "small.png", make_image(20, 10, 3, 0.5f));
+    write_image(folder / "large.png", make_image(40, 20, 3, 0.5f));
+    CapturedView small, large;
+    small.image = (folder / "small.png").string(), large.image = (folder / "large.png").string();
+    const std::vector<CapturedView> views{small, large, small, large};
+    const double bytes = picture_bytes(large, 1).reading;
+    const std::size_t threads = threads_of(0);
+    EXPECT_GT(bytes, picture_bytes(small, 1).reading);
+    EXPECT_EQ(pictures_at_once(views, 0), 1u);
+    EXPECT_EQ(pictures_at_once(views, 1.9 * bytes), 1u);
+    EXPECT_EQ(pictures_at_once(views, 2 * bytes), std::min<std::size_t>(2, threads));
+    EXPECT_EQ(pictures_at_once(views, 1e12), std::min<std::size_t>(4, threads));
 }
 
 /// The state that a run goes on from is there before its pictures are.
