@@ -16,7 +16,7 @@ namespace {
 
 /// Of a file whose v points upwards.
 FoundMesh upward(mitsuba::MeshFile file) {
-    FoundMesh found{std::move(file.mesh), {}};
+    FoundMesh found{std::move(file.mesh), mitsuba::corner_texts(file, false)};
     for (Vec2f& uv : found.mesh.uvs) uv.y = 1 - uv.y;
     if (file.concave_faces > 0)
         found.notes.push_back(

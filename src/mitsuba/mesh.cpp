@@ -99,6 +99,19 @@ std::string zero_normals_text(std::size_t count) {
                        count == 1 ? "1 vertex has" : fmt::format("{} vertices have", count));
 }
 
+std::vector<std::string> corner_texts(const MeshFile& file, bool face_normals) {
+    std::vector<std::string> texts;
+    const auto add = [&](std::size_t missing, const char* what, const char* taken) {
+        if (missing > 0)
+            texts.push_back(fmt::format("{} corners of the faces lack the {} that others have: {}",
+                                        missing, what, taken));
+    };
+    add(file.corners_without_uv, "texture coordinates", "read as 0 0");
+    if (!face_normals)
+        add(file.corners_without_normal, "normals", "computed from the faces around them");
+    return texts;
+}
+
 Mesh finish_mesh(Mesh mesh, const MeshOptions& options) {
     const Transform to_local = options.to_local.value_or(inverse(options.to_world));
     if (options.face_normals) mesh.normals.clear();

@@ -63,6 +63,8 @@ std::vector<Vec3f> smooth_normals_of_places(const Mesh& mesh);
 std::size_t fill_zero_normals(Mesh& mesh);
 /// What is said of so many, at least one: "2 vertices have the normal 0 0 0: ...".
 std::string zero_normals_text(std::size_t count);
+/// What is said of the corners of a file that lack what others have, a sentence each.
+std::vector<std::string> corner_texts(const MeshFile& file, bool face_normals);
 
 /// To world space. Missing normals are computed (smooth, weighted by angle) unless face_normals. As
 /// in Mitsuba, the triangles keep their winding under a mirror, except where the file gives the

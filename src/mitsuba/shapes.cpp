@@ -68,15 +68,8 @@ MeshFile read_mesh_file(const Loader& loader, const std::filesystem::path& file,
 /// Says what an OBJ mesh lacks at some corners, and how many vertices of a mesh have the normal 0.
 void warn_of_corners(Loader& loader, const Properties& properties, const MeshFile& file,
                      std::size_t zero_normals, bool face_normals) {
-    const auto warn = [&](std::size_t missing, const char* what, const char* taken) {
-        if (missing > 0)
-            log_warning(loader, properties.node->place,
-                        fmt::format("{} corners of the faces lack the {} that others have: {}",
-                                    missing, what, taken));
-    };
-    warn(file.corners_without_uv, "texture coordinates", "read as 0 0");
-    if (face_normals) return;
-    warn(file.corners_without_normal, "normals", "computed from the faces around them");
+    for (const std::string& text : corner_texts(file, face_normals))
+        log_warning(loader, properties.node->place, text);
     if (zero_normals > 0)
         log_warning(loader, properties.node->place, zero_normals_text(zero_normals));
 }
