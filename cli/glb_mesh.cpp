@@ -225,7 +225,11 @@ Transform local_transform(const Value& node) {
     const std::vector<double> move = values("translation", {0, 0, 0}),
                               turn = values("rotation", {0, 0, 0, 1}),
                               size = values("scale", {1, 1, 1});
-    t = rotation(turn[3], turn[0], turn[1], turn[2]);
+    const double norm = std::hypot(std::hypot(turn[0], turn[1]), std::hypot(turn[2], turn[3]));
+    constexpr double kRounding = 1e-3;
+    if (!(std::abs(norm - 1) <= kRounding))
+        fail(member(node, "rotation"), "a quaternion of length 1");
+    t = rotation(turn[3] / norm, turn[0] / norm, turn[1] / norm, turn[2] / norm);
     return translation({move[0], move[1], move[2]}) * t * scaling({size[0], size[1], size[2]});
 }
 

@@ -237,6 +237,20 @@ TEST_F(NewSceneTest, TurnsTextureCoordinatesAsASceneDoesThatReadsTheSameObj) {
               corners(read_mesh(obj).mesh));
 }
 
+/// As rounding to few digits leaves it.
+TEST_F(NewSceneTest, AQuaternionOfAlmostLength1IsARotation) {
+    Document document = Gltf().document;
+    const auto positions = [&](const Document& rotation) {
+        document["nodes"][1]["rotation"] = rotation;
+        write_text(glb, glb_bytes(document, Gltf().data.bytes));
+        return read_mesh(glb).mesh.positions;
+    };
+    const auto exact = positions({0, 0, 0.6, 0.8}), found = positions({0, 0, 0.6005, 0.8005});
+    ASSERT_EQ(found.size(), exact.size());
+    for (std::size_t i = 0; i < exact.size(); ++i)
+        EXPECT_NEAR(length(found[i]), length(exact[i]), 1e-5) << i;
+}
+
 TEST_F(NewSceneTest, ReadsStripsFansAndMirroredNodes) {
     Data data;
     data.add<float>({0, 0, 0, 1, 0, 0, 0, 1, 0, 1, 1, 0});
@@ -515,6 +529,18 @@ TEST_F(NewSceneTest, SaysHowManyFacesAreNotConvex) {
             contains(notes[0], "1 of the faces with more than three corners are not convex"))
             << notes[0];
     }
+}
+
+TEST_F(NewSceneTest, SaysHowManyCornersLackWhatOthersHave) {
+    write_text(obj,
+               "v 0 0 0\nv 2 0 0\nv 2 2 0\nv 0 2 0\nvt 0 0\nvt 1 0\nvt 1 1\nvn 0 0 1\n"
+               "f 1/1/1 2/2/1 3/3/1\nf 1/1 3 4\n");
+    EXPECT_EQ(read_mesh(obj).notes,
+              (std::vector<std::string>{
+                  "2 corners of the faces lack the texture coordinates that others have: read as "
+                  "0 0",
+                  "3 corners of the faces lack the normals that others have: computed from the "
+                  "faces around them"}));
 }
 
 TEST_F(NewSceneTest, MakesASceneThatRendersAndNamesItsTextures) {
@@ -1107,6 +1133,10 @@ TEST_F(NewSceneTest, SaysWhatAGlbLacks) {
         {"/meshes/0/primitives/0/mode", 0, "a scene with triangles"},
         {"/nodes/1/scale", {0, 1, 1}, "a transform that has an inverse"},
         {"/nodes/1/matrix", {1, 2}, "an array of 16 numbers"},
+        {"/nodes/1/rotation",
+         {0, 0, 1, 1},
+         "nodes[1].rotation: found [0,0,1,1], expected a quaternion of length 1"},
+        {"/nodes/1/rotation", {0, 0, 0, 0}, "expected a quaternion of length 1"},
         {"/nodes", 3, "nodes: found 3, expected an array"},
         {"/buffers/0/uri", "model.bin",
          "buffers[0].uri: found \"model.bin\", expected the data in the file's own chunk"},
