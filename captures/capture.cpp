@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
+#include <cstdint>
 #include <limits>
 #include <map>
 #include <set>
@@ -187,8 +189,15 @@ CapturedView view_of(const Value& v, std::size_t number, Skies& skies) {
     return captured;
 }
 
+/// As a text of the scene file.
 std::string definition_of(const Value& v) {
     if (v.value.is_null() || v.value.is_structured()) fail(v, "a text, a number, true or false");
+    if (v.value.is_number_float()) {  // some programs write all numbers so, and 3.0 is no integer
+        const double number = v.value.get<double>();
+        constexpr double kExact = 0x1p53;
+        if (number == std::floor(number) && std::abs(number) < kExact)
+            return fmt::format("{}", static_cast<std::int64_t>(number));
+    }
     return v.value.is_string() ? text(v) : v.value.dump();
 }
 

@@ -46,7 +46,8 @@ TEST_F(CaptureTest, SaysWhatItsViewsAre) {
     write_image(folder / "sky.exr", make_image(4, 2, 3, 2.0f));
     const Capture capture = read(R"({
       "version": 1, "scene": "scenes/scene.xml",
-      "defines": {"integrator": "path", "n": 3, "on": true},
+      "defines": {"integrator": "path", "n": 3, "on": true, "whole": -3.0, "part": 2.5,
+                  "large": 1e20},
       "views": [
         {"camera": {"sensor": "cam"}, "image": "a.exr", "encoding": "linear"},
         {"name": "left", "image": "b.png", "encoding": "srgb", "mask": "m.png", "exposure": 2,
@@ -62,6 +63,9 @@ TEST_F(CaptureTest, SaysWhatItsViewsAre) {
     EXPECT_EQ(capture.scene, (folder / "scenes/scene.xml").string());
     EXPECT_EQ(capture.definitions.at("integrator"), "path");
     EXPECT_EQ(capture.definitions.at("n"), "3");
+    EXPECT_EQ(capture.definitions.at("whole"), "-3") << "an integer of the scene file, too";
+    EXPECT_EQ(capture.definitions.at("part"), "2.5");
+    EXPECT_EQ(capture.definitions.at("large"), "1e+20");
     EXPECT_EQ(capture.definitions.at("on"), "true");
     ASSERT_EQ(capture.views.size(), 3u);
     EXPECT_EQ(capture.views[0].view.name, "view_000");
