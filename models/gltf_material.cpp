@@ -263,6 +263,14 @@ void set_bsdf(MaterialWriter& writer, const PrincipledThin& b) {
     set_transmission(writer, scalar(ThinScalar::kSpecTrans));
 }
 
+/// Without a thickness, what transmits is a sheet that does not refract. How large it is matters to
+/// viewers that do not trace rays.
+void set_volume(MaterialWriter& writer) {
+    GltfJson& json = writer.surface.json;
+    if (json.contains("extensions") && json["extensions"].contains("KHR_materials_transmission"))
+        add_extension(writer, "KHR_materials_volume", {{"thicknessFactor", 1}});
+}
+
 /// glTF's emission is a colour up to 1 times a strength.
 void set_emission(GltfJson& json, const Rgbf& radiance) {
     const float strength = std::max({radiance.x, radiance.y, radiance.z});
@@ -289,6 +297,7 @@ GltfSurface make_surface(const Scene& scene, const TextureTable& textures, Mater
     surface.json["name"] = material.id;
     if (material.back || is_sheet(scene[material.front])) surface.json["doubleSided"] = true;
     std::visit([&](const auto& bsdf) { set_bsdf(writer, bsdf); }, scene[material.front]);
+    if (!is_sheet(scene[material.front])) set_volume(writer);
     return std::move(surface);
 }
 

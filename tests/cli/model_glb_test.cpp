@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <csignal>
 
@@ -113,6 +114,7 @@ TEST(ModelGlb, InterfacesAreMetalsPlasticsAndGlass) {
     for (const Expected& e : {Expected{Conductor{}, 1, 0, false}, Expected{metal, 1, 0.5f, false},
                               Expected{Plastic{}, 0, 0, false}, Expected{plastic, 0, 0.5f, false},
                               Expected{Dielectric{white, 0.8f, false}, 0, 0, true},
+                              Expected{Dielectric{white, 1.5f, true}, 0, 0, true},
                               Expected{RoughDielectric{white, 1.5f, rough}, 0, 0.5f, true},
                               Expected{PrincipledThin{}, 0, 0.5f, true}}) {
         const GlbContent glb = glb_of(scene_of(e.bsdf));
@@ -123,6 +125,16 @@ TEST(ModelGlb, InterfacesAreMetalsPlasticsAndGlass) {
         const bool transmits = material.contains("extensions") &&
                                material["extensions"].contains("KHR_materials_transmission");
         EXPECT_EQ(transmits, e.transmits) << e.bsdf.index();
+        const bool has_volume = material.contains("extensions") &&
+                                material["extensions"].contains("KHR_materials_volume");
+        EXPECT_EQ(has_volume, e.transmits && !is_sheet(e.bsdf)) << e.bsdf.index();
+        const Json used = glb.json.value("extensionsUsed", Json::array());
+        EXPECT_EQ(std::count(used.begin(), used.end(), "KHR_materials_volume"), has_volume ? 1 : 0)
+            << e.bsdf.index();
+        if (has_volume) {
+            EXPECT_GT(
+                material["extensions"]["KHR_materials_volume"]["thicknessFactor"].get<float>(), 0);
+        }
         if (e.metallic == 0) {
             EXPECT_GE(material["extensions"]["KHR_materials_ior"]["ior"].get<float>(), 1)
                 << e.bsdf.index();
