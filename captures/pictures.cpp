@@ -143,8 +143,9 @@ namespace {
 
 double pixels_of(const Image& image) { return double{1} * image.width * image.height; }
 
-/// While a file becomes an image: its bytes, and of each pixel the codes, and the numbers of the
-/// picture twice, while alpha is taken out of them or they are turned, with planes beside them.
+/// While a file becomes an image: its bytes, the chunk that an EXR is read by, and of each pixel
+/// the codes, and the numbers of the picture twice, while alpha is taken out of them or they are
+/// turned, with planes beside them.
 double decoding_bytes(const std::string& file, const ImageFile& header) {
     const double of_pixel = header.image.channels % 2 == 0 ? 44 : 32;
     std::error_code gone;

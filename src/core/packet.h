@@ -32,6 +32,7 @@ inline constexpr std::size_t kRegisters = kLanes / kRegisterLanes;
 
 template <class T>
 using Register __attribute__((vector_size(4 * kRegisterLanes))) = T;
+
 /// To{f(0), f(1), ...}, without a loop: compilers take these apart before they unroll loops.
 template <class To, class F>
 To per_register(const F& f) {

@@ -174,7 +174,7 @@ std::uint64_t max_ratio(Imf::Compression compression) {
     }
 }
 
-/// Of a file without tiles.
+/// Of a file without tiles, at least.
 int rows_of_chunk(Imf::Compression compression) {
     switch (compression) {
         case Imf::ZIP_COMPRESSION:
@@ -192,14 +192,17 @@ int rows_of_chunk(Imf::Compression compression) {
     }
 }
 
-/// Bytes of a chunk, which the library makes room for whole, with all channels.
-double chunk_bytes(const Imf::Header& header) {
+/// What the library makes room for beside the picture: a chunk with all channels; where it has
+/// tiles, a row of them, too, with the `read` channels that are read.
+double chunk_bytes(const Imf::Header& header, std::size_t read) {
     const auto window = header.dataWindow();
-    double pixels = (static_cast<double>(window.max.x) - window.min.x + 1) *
-                    rows_of_chunk(header.compression());
-    if (header.hasTileDescription())
-        pixels = double{1} * header.tileDescription().xSize * header.tileDescription().ySize;
-    double bytes = 0;
+    const double width = static_cast<double>(window.max.x) - window.min.x + 1;
+    double pixels = width * rows_of_chunk(header.compression()), bytes = 0;
+    if (header.hasTileDescription()) {
+        const Imf::TileDescription& tile = header.tileDescription();
+        pixels = double{1} * tile.xSize * tile.ySize;
+        bytes = width * tile.ySize * static_cast<double>(sizeof(float) * read);
+    }
     for (auto c = header.channels().begin(); c != header.channels().end(); ++c)
         bytes += pixels * (c.channel().type == Imf::HALF ? 2 : 4) / c.channel().xSampling;
     return bytes;
@@ -280,7 +283,6 @@ ImageFile formats::read_exr(const std::filesystem::path& file, FileColors colors
     bool is_known = false;  // what the header says
     try {
         Imf::MultiPartInputFile parts(name.c_str());  // reads headers alone
-        is_known = true;
         const Imf::Header& header = parts.header(0);
         require_bytes(name, header);
         const Imf::ChannelList& stored = header.channels();
@@ -288,8 +290,9 @@ ImageFile formats::read_exr(const std::filesystem::path& file, FileColors colors
         if (content == Content::kHeader) {
             Image shape = shape_of(name, header, picture.colors.size());
             shape.channels += !picture.alpha.empty();
+            const auto read = static_cast<std::size_t>(shape.channels);
             ImageFile found{std::move(shape), PixelEncoding::kFloat, "EXR"};
-            found.chunk_bytes = chunk_bytes(header);
+            found.chunk_bytes = chunk_bytes(header, read);
             return found;
         }
         const auto matrix = colors == FileColors::kRec709 ? matrix_of(name, header, picture)
@@ -302,6 +305,7 @@ ImageFile formats::read_exr(const std::filesystem::path& file, FileColors colors
         if (!picture.alpha.empty())
             read.alpha = make_image_of(name, header, {picture.alpha}, buffer);
         Imf::InputPart input(parts, 0);
+        is_known = true;
         input.setFrameBuffer(buffer);
         input.readPixels(header.dataWindow().min.y, header.dataWindow().max.y);
         if (matrix) convert(*matrix, read.image);

@@ -101,12 +101,11 @@ void formats::require_exr_header(const std::filesystem::path& file) {
     if (!stream.read(start.data(), start.size())) return;
     const bool has_parts = (number_at({start.data(), start.size()}, 4, 4) & 0x1000) != 0;
     const std::uint64_t size = std::filesystem::file_size(file);
-    const std::optional<Part> first = read_part(file.string(), size, stream);
-    if (first && first->is_deep)
+    std::optional<Part> part = read_part(file.string(), size, stream);
+    if (part && part->is_deep)
         refuse(file.string(), "EXR",
                "found a deep image, expected one sample of each channel in a pixel");
-    while (has_parts && read_part(file.string(), size, stream)) {
-    }
+    while (part && has_parts) part = read_part(file.string(), size, stream);
 }
 
 }  // namespace burnish

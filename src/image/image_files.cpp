@@ -113,8 +113,10 @@ const char* known_format(std::string_view bytes) {
     if (has(4, "ftyphei") || has(4, "ftyphev") || has(4, "ftypmif1")) return "HEIC";
     if (has(0, "II*\0"sv) || has(0, "MM\0*"sv)) return "TIFF or raw";
     if (has(0, "RIFF") && has(8, "WEBP")) return "WebP";
-    if (has(0, "P5\n") || has(0, "P5 ")) return "PGM";
-    if (has(0, "P6\n") || has(0, "P6 ")) return "PPM";
+    const bool is_netpbm =
+        bytes.size() > 2 && std::string_view(" \t\r\n#").find(bytes[2]) != std::string_view::npos;
+    if (is_netpbm && has(0, "P5")) return "PGM";
+    if (is_netpbm && has(0, "P6")) return "PPM";
     return nullptr;
 }
 

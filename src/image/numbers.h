@@ -5,7 +5,7 @@
 
 namespace burnish {
 
-/// read_image_file, but X, Y, Z and chromaticities of an EXR do not change its values.
+/// read_image_file, but X, Y, Z and chromaticities of a file do not change its values.
 ImageFile read_numbers_file(const std::filesystem::path& file);
 
 }  // namespace burnish

@@ -100,11 +100,12 @@ double estimate_blocks(const BlockCounts& n) {
 double band_bytes(std::span<const TracedScene> views, std::span<const std::vector<char>> reaching,
                   const Theta& theta, std::uint32_t seed) {
     constexpr std::uint32_t kTried = 1 << 14;  // camera samples of all views together
+    constexpr std::size_t kAtOnce = 4;         // views, of which each has 8 bytes a pixel
     const RandomKey key{seed, Stream::kTrial};
     const auto each = std::max(1u, kTried / static_cast<std::uint32_t>(views.size()));
     const std::vector<TexelSums> sums = make_texel_sums(Binding(views.front(), theta));
     std::vector<std::vector<BlockVisit>> of_view(views.size());
-    parallel_for(views.size(), [&](std::size_t i) {
+    parallel_tasks(views.size(), kAtOnce, [&](std::size_t i) {
         const auto first = static_cast<std::uint32_t>(i) * each;
         of_view[i] = visits_of(Binding(views[i], theta), reaching[i], key,
                                drawn_samples(reaching[i], key, first, each), sums);

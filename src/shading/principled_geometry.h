@@ -19,7 +19,7 @@ struct PrincipledParameters {
     Plain<C> eta{1.5f};  ///< index of refraction inside / outside
     /// Relative rates at which the lobes are sampled.
     Plain<C> specular_rate{1.0f}, clearcoat_rate{1.0f}, diffuse_rate{1.0f};
-    Plain<C> min_transmission{0.0f}, min_diffuse{0.0f}, min_clearcoat{0.0f};  ///< see min_share
+    Plain<C> min_transmission{0.0f}, min_diffuse{0.0f}, min_clearcoat{0.0f};  ///< of lobes
     bool has_spec_trans = true, has_clearcoat = true, has_sheen = true, has_flatness = true,
          has_spec_tint = true, has_anisotropic = true;
 };

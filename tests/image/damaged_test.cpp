@@ -294,7 +294,7 @@ TEST_F(DamagedImages, TheHeaderOfAnExrTellsWhatAChunkTakes) {
             EXPECT_EQ(chunk_of({compression, half, 3, 4, false, 1, channels}),
                       kRows[compression] * 20 * 5 * (half ? 2 : 4))
                 << compression;
-    EXPECT_EQ(chunk_of({9, false, 0, 0, true, 1, channels}), 16 * 8 * 5 * 4);
+    EXPECT_EQ(chunk_of({9, false, 0, 0, true, 1, channels}), 16 * 8 * 5 * 4 + 20 * 8 * 3 * 4);
     EXPECT_EQ(chunk_of({9, false, 0, 0, false, 2, channels}), 256 * 20 * 5 * 4);
 }
 
