@@ -15,6 +15,8 @@ SIZE = ("--size", "16", "16")
 
 
 def numbers_in(value):
+    if value is None:  # so is NaN written
+        return [math.nan]
     if isinstance(value, dict):
         value = list(value.values())
     if isinstance(value, list):
