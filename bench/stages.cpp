@@ -68,6 +68,7 @@ RaysAlone rays_alone(TracedScene& scene, const TraceInput& input, std::uint32_t 
     RaysAlone result;
     for (const RecordedRays& packet : recorder)
         for (const auto valid : packet.rays.valid) result.rays += valid != 0;
+    trace_alone(recorder);  // the first finds cold caches
     std::vector<double> seconds;
     for (int i = 0; i < repeats; ++i) seconds.push_back(trace_alone(recorder));
     const double scale = static_cast<double>(passes) / kRecorded;
