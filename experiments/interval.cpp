@@ -59,10 +59,6 @@ std::string text_of(const RatioInterval& i) {
     return fmt::format("{:.2f} [{:.2f}, {:.2f}]", i.ratio, i.low, i.high);
 }
 
-std::string positive_ratio_text(double a, double b) {
-    return text_of({.ratio = positive_ratio(a, b)});
-}
-
 std::string multiple_text(double a, double b, const std::string& what) {
     const double ratio = positive_ratio(a, b);
     return std::isnan(ratio) ? fmt::format("an error {}", kTooNoisy)

@@ -23,8 +23,6 @@ double positive_ratio(double a, double b);
 
 /// "0.62 [0.51, 0.75]"; without an interval "0.62"; of NaN "too noisy to tell".
 std::string text_of(const RatioInterval& interval);
-/// The same of positive_ratio(a, b), without an interval.
-std::string positive_ratio_text(double a, double b);
 /// "0.62 times WHAT", of positive_ratio(a, b), two errors; of NaN "an error too noisy to tell".
 std::string multiple_text(double a, double b, const std::string& what);
 /// "100 %", "2.5 %": two digits of a share, or all before the point; of NaN "too noisy to tell".
