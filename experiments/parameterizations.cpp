@@ -58,7 +58,7 @@ ParameterizationStudy study_parameterizations(const TargetScene& scene,
 
 double left_of(const ParameterizationStudy& s, const ParameterizationEnd& end) {
     const double start = s.loss - s.truth_loss;
-    return start > 0 ? std::max(0.0, end.loss - s.truth_loss) / start
+    return start > 0 ? std::max(end.loss - s.truth_loss, 0.0) / start  // keeps NaN
                      : std::numeric_limits<double>::quiet_NaN();
 }
 

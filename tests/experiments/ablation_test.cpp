@@ -190,6 +190,8 @@ TEST(Ablation, SaysWhatParameterizationsLeaveOfTheLoss) {
     EXPECT_EQ(parameterization_table(study).rows[1][3], "100 %");
     study.ends[1].loss = 0.05;  // below that of the truth
     EXPECT_EQ(left_of(study, study.ends[1]), 0);
+    study.ends[1].loss = NAN;
+    EXPECT_TRUE(std::isnan(left_of(study, study.ends[1])));
     study.truth_loss = 0.6;
     EXPECT_TRUE(std::isnan(left_of(study, study.ends[0])));
     EXPECT_EQ(parameterization_table(study).rows[1][3], "too noisy to tell");
