@@ -4,6 +4,7 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <iterator>
 
@@ -24,6 +25,8 @@ struct Row {
 
 /// The order of the first rows.
 enum : std::size_t { kMcRow, kRisRow, kPrisRow, kGrisRow, kPgrisRow };
+/// Those of which there are several runs.
+constexpr std::array<std::size_t, 3> kRowsOfRuns{kPrisRow, kGrisRow, kPgrisRow};
 
 /// Rows of one trajectory of a scene.
 struct Rows {
@@ -88,6 +91,10 @@ struct PartRatios {
     std::vector<double> reuse, positivization;
 };
 
+std::string name_of_run(const Row& row, std::uint32_t k) {
+    return fmt::format("{}, run {}", row.name, k);
+}
+
 /// first: the rows, which are the first run; each further one has random numbers of its own.
 PartRatios run_again(const Rows& first, const ReproduceOptions& options, ExperimentResult& result) {
     PartRatios ratios;
@@ -99,15 +106,23 @@ PartRatios run_again(const Rows& first, const ReproduceOptions& options, Experim
     add(first.rows[kPrisRow], first.rows[kGrisRow], first.rows[kPgrisRow]);
     for (std::uint32_t k = 1; k < options.runs; ++k) {
         Rows again{first.scene, first.trajectory, first.reference, first.note};
-        for (const std::size_t i : {kPrisRow, kGrisRow, kPgrisRow}) {
+        for (const std::size_t i : kRowsOfRuns) {
             const Row& row = first.rows[i];
-            run(again, first.scene.traced(), row.group, fmt::format("{}, run {}", row.name, k),
-                row.estimator, estimate_seed(options, k));
+            run(again, first.scene.traced(), row.group, name_of_run(row, k), row.estimator,
+                estimate_seed(options, k));
         }
         add(again.rows[0], again.rows[1], again.rows[2]);
         for (const Row& r : again.rows) measure(result, first.scene.source.name, r.name, r.numbers);
     }
     return ratios;
+}
+
+void measure_rows(ExperimentResult& result, const std::string& scene,
+                  const std::vector<Row>& rows) {
+    for (std::size_t i = 0; i < rows.size(); ++i) {
+        const bool has_runs = std::ranges::find(kRowsOfRuns, i) != kRowsOfRuns.end();
+        measure(result, scene, has_runs ? name_of_run(rows[i], 0) : rows[i].name, rows[i].numbers);
+    }
 }
 
 /// Until a cap that no history reaches.
@@ -284,7 +299,7 @@ ExperimentResult run_ablation(TargetScenes scenes, const ReproduceOptions& optio
         run_caps(rows, options);
         run_caches(rows, options);
         for (Row& r : run_rates(scene, options, note)) rows.rows.push_back(std::move(r));
-        for (const Row& r : rows.rows) measure(result, scene.source.name, r.name, r.numbers);
+        measure_rows(result, scene.source.name, rows.rows);
         const ParameterizationStudy shared = study_parameterizations(scene, options, note);
         measure(result, scene.source.name, shared);
         Figure figure = figure_of(scene, rows.rows, runs);
