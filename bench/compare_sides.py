@@ -23,7 +23,8 @@ SCENES = {
     "tree": ("mat-tree.brdf_0.base_color.data", 0.1),
 }
 PUBLISHED = ("ashtray", "tire", "chalice")
-MEASURES = ("image", "derivative", "iteration")
+DETACHED = "detached derivative"
+MEASURES = ("image", "derivative", DETACHED, "iteration")
 SPLITS = ((32, 1), (8, 4), (4, 4), (2, 2))  # samples per pixel of the image and of the derivative
 MOMENTS = (1 / 8, 1 / 4, 1 / 2, 1)  # of a run, at which its texture is kept
 PARAMETERIZATIONS = ("texels", "pyramid")
@@ -155,7 +156,7 @@ class Comparison:
                    "estimators": self.arguments.estimators, "stages": self.stages()}
         results["mitsuba"] = self.mitsuba.ask("about")
         if self.arguments.runs:
-            results["derivatives"] = self.derivatives()
+            results["derivatives"] = self.derivatives(results["stages"]["mitsuba"][DETACHED])
             results["runs"] = self.runs()
         self.mitsuba.close()
         self.results_file.write_text(json.dumps(results, indent=1))
@@ -170,10 +171,9 @@ class Comparison:
                                        *variants)))
         return {"mitsuba": theirs, "burnish": ours}
 
-    def derivatives(self):
-        """Files of derivatives: the baseline in the time of Mitsuba's 1 spp, the others in their own. Those of Mitsuba
-        are detached, as Burnish's, whether or not that is the faster of its ways."""
-        times = [self.mitsuba.ask("time", what="detached derivative") for _ in range(self.arguments.repeats)]
+    def derivatives(self, times):
+        """Files of derivatives: the baseline in the time of Mitsuba's 1 spp, the median of `times`, the others in their
+        own. Those of Mitsuba are detached, as Burnish's, whether or not that is the faster of its ways."""
         seconds = statistics.median(times)
         ours = self.beside("derivatives", "--target", self.target, "-o", self.made("derivatives"), "--seconds", seconds,
                            "--repeats", self.arguments.repeats, "--learning-rate", self.rate, "--variants",

@@ -80,21 +80,29 @@ class Derivatives(unittest.TestCase):
     """What is measured at equal time is what set the time, though another way to differentiate is faster."""
 
     def test_the_time_is_that_of_detached_derivatives(self):
-        comparison = compare_sides.Comparison.__new__(compare_sides.Comparison)
-        comparison.arguments = SimpleNamespace(repeats=3, estimators=["pgris"])
-        comparison.target, comparison.rate = "target.exr", 0.01
-        seconds = {"derivative": iter([1, 1, 1]), "detached derivative": iter([4, 2, 3])}
+        arguments = SimpleNamespace(scenes=None, size=(32, 32), runs=1, repeats=3, estimators=["pgris"])
+        comparison = compare_sides.Comparison("goblet", arguments, Path("out"), "python")
+        comparison.results_file = mock.MagicMock()
+        seconds = {"image": 1, "derivative": iter([1, 1, 1]), "detached derivative": iter([4, 2, 3]), "iteration": 1}
+        timed = []
 
         def ask(request, what=None, **_):
-            return next(seconds[what]) if request == "time" else {}
+            if request != "time":
+                return {}
+            timed.append(what)
+            return seconds[what] if isinstance(seconds[what], int) else next(seconds[what])
 
-        comparison.mitsuba = SimpleNamespace(ask=ask)
+        mitsuba = SimpleNamespace(ask=ask, close=lambda: None)
         ours = {"texture": "t", "adjoint": "a", "variants": {"mc": {"seconds": [1]}}}
-        with mock.patch.object(comparison, "made", return_value="folder"), \
+        with mock.patch.object(comparison, "start_mitsuba", return_value=mitsuba), \
+                mock.patch("compare_sides.call", side_effect=lambda *_: timed.append("burnish") or "{}"), \
+                mock.patch.object(comparison, "made", return_value="folder"), \
+                mock.patch.object(comparison, "runs", return_value={}), \
                 mock.patch.object(comparison, "beside", return_value=ours) as beside:
-            comparison.derivatives()
-        arguments = beside.call_args.args
-        self.assertEqual(arguments[arguments.index("--seconds") + 1], 3)
+            comparison.measure()
+        words = beside.call_args.args
+        self.assertEqual(words[words.index("--seconds") + 1], 3)
+        self.assertEqual(timed, [*seconds, "burnish"] * 3, "both alternate")
 
     def test_files_are_of_detached_derivatives(self):
         names = ("drjit", "mitsuba", "mitsuba_scene", "numpy")
