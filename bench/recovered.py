@@ -9,7 +9,7 @@ defaults, judged by bench/held_out.py with Mitsuba.
 
 CAPTURES holds SCENE/capture.json and so on. Writes FOLDER/recovered.json and FOLDER/recovered.md with commit, machine
 and date, after each scene anew: a run that was stopped goes on where it was, if nothing is changed since the commit and
-the program is the same. Burnish is built into build/bench.
+the programs are the same. Burnish is built into build/bench.
 """
 import argparse
 import hashlib
@@ -129,16 +129,19 @@ def command_of(arguments):
     return " ".join(parts)
 
 
-def hash_of(program):
-    return hashlib.sha256(program.read_bytes()).hexdigest()
+def hashes_of(programs):
+    """Of those whose numbers the rows are, where they are there."""
+    files = (programs / "burnish", programs / "bench" / "burnish_start_search")
+    return [hashlib.sha256(f.read_bytes()).hexdigest() for f in files if f.exists()]
 
 
 def earlier_rows(file, results):
-    """Of a run that was stopped. A commit does not tell what a tree with changes holds, nor what --build does."""
+    """Of a run that was stopped. A commit does not tell what a tree with changes holds, nor of which commit the
+    programs of --build are."""
     if not file.exists() or not is_clean(results["commit"]):
         return []
     earlier = json.loads(file.read_text())
-    kept = ("commit", "program", "command", "captures", "seconds", "machine")
+    kept = ("commit", "programs", "command", "captures", "seconds", "machine")
     same = all(earlier.get(k) == results[k] for k in kept)
     return earlier["rows"] if same else []
 
@@ -149,7 +152,7 @@ def main():
         build("burnish_program", "burnish_start_search")
     programs = arguments.build or BUILD
     results = {"command": command_of(arguments), "captures": str(arguments.captures.resolve()), "commit": commit(),
-               "program": hash_of(programs / "burnish"), "seconds": arguments.seconds} | machine_and_date()
+               "programs": hashes_of(programs), "seconds": arguments.seconds} | machine_and_date()
     file = arguments.output / "recovered.json"
     results["rows"] = earlier_rows(file, results)
     arguments.output.mkdir(parents=True, exist_ok=True)

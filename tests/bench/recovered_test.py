@@ -98,24 +98,27 @@ class Stopped(unittest.TestCase):
             folder = Path(name)
             (folder / "captures" / "tire").mkdir(parents=True)
             (folder / "captures" / "tire" / "capture.json").touch()
+            (folder / "bench").mkdir()
             command = ["recovered.py", str(folder / "captures"), "-o", str(folder / "out"), "--scenes", "tire",
                        "--build", str(folder)]
             with mock.patch("sys.argv", command), mock.patch("recovered.row", return_value=ROW) as row, \
                     mock.patch("recovered.commit", return_value="a"), mock.patch("builtins.print"):
-                for program, rows in ((b"one", 1), (b"one", 1), (b"other", 2)):
-                    (folder / "burnish").write_bytes(program)
+                for program, search, rows in (("one", "one", 1), ("one", "one", 1), ("other", "one", 2),
+                                              ("other", "other", 3)):
+                    (folder / "burnish").write_text(program)
+                    (folder / "bench" / "burnish_start_search").write_text(search)
                     recovered.main()
-                    self.assertEqual(row.call_count, rows, program)
+                    self.assertEqual(row.call_count, rows, (program, search))
 
     def test_rows_of_the_same_run_are_kept_and_those_of_another_are_not(self):
-        results = {"commit": "a", "program": "p", "command": "b", "captures": "/captures", "seconds": 120,
+        results = {"commit": "a", "programs": ["p"], "command": "b", "captures": "/captures", "seconds": 120,
                    "machine": "2 cores"}
         with tempfile.TemporaryDirectory() as folder:
             file = Path(folder) / "recovered.json"
             self.assertEqual(recovered.earlier_rows(file, results), [])
             file.write_text(json.dumps(results | {"rows": [ROW]}))
             self.assertEqual(recovered.earlier_rows(file, results), [ROW])
-            for other in ({"commit": "c"}, {"program": "q"}, {"command": "c"}, {"captures": "/c"}, {"seconds": 60},
+            for other in ({"commit": "c"}, {"programs": ["q"]}, {"command": "c"}, {"captures": "/c"}, {"seconds": 60},
                           {"machine": "4 cores"}):
                 self.assertEqual(recovered.earlier_rows(file, results | other), [], other)
 
@@ -123,13 +126,13 @@ class Stopped(unittest.TestCase):
         with tempfile.TemporaryDirectory() as folder:
             file = Path(folder) / "recovered.json"
             for commit in ("a with changes", "unknown"):
-                results = {"commit": commit, "program": "p", "command": "b", "captures": "/captures",
+                results = {"commit": commit, "programs": ["p"], "command": "b", "captures": "/captures",
                            "seconds": 120, "machine": "2 cores"}
                 file.write_text(json.dumps(results | {"rows": [ROW]}))
                 self.assertEqual(recovered.earlier_rows(file, results), [], commit)
 
     def test_rows_that_do_not_name_their_captures_are_made_again(self):
-        results = {"commit": "a", "program": "p", "command": "b", "seconds": 120, "machine": "2 cores"}
+        results = {"commit": "a", "programs": ["p"], "command": "b", "seconds": 120, "machine": "2 cores"}
         with tempfile.TemporaryDirectory() as folder:
             file = Path(folder) / "recovered.json"
             file.write_text(json.dumps(results | {"rows": [ROW]}))
