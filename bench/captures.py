@@ -210,12 +210,13 @@ def record_of(v: dict, made: dict, image: Path) -> dict:
 
 
 def write_picture(folder: Path, v: dict, made: dict, passes: int, picture: np.ndarray) -> None:
-    """And made.json, whose record tells by the hash whether the picture is there yet."""
+    """And made.json, whose record tells by the hash whether the picture is there yet. made: its record is that of the
+    picture that is there."""
     image = folder / v["image"]
     aside = image.with_name("unfinished.exr")
     mitsuba_scene.write_image(aside, picture)
     made["views"][v["name"]] = {"passes": passes, "view": v, "sha256": hash_of(aside),
-                                "before": record_of(v, made, image)}
+                                "before": made["views"][v["name"]]}
     write_json(folder / "made.json", made)
     aside.replace(image)
     del made["views"][v["name"]]["before"]
@@ -223,9 +224,12 @@ def write_picture(folder: Path, v: dict, made: dict, passes: int, picture: np.nd
 
 def render_views(folder: Path, views: list[dict], made: dict, passes: int) -> None:
     """Adds passes to pictures that have fewer. made: what made.json says."""
+    for v in views:
+        made["views"][v["name"]] = record_of(v, made, folder / v["image"])
+
     def passes_of(v: dict) -> int:
-        """None where the picture is of another camera."""
-        record = record_of(v, made, folder / v["image"])
+        """0 where the picture is of another camera."""
+        record = made["views"][v["name"]]
         return record["passes"] if record.get("view") == v else 0
 
     for sky in [None, *skies(1)]:
@@ -242,6 +246,7 @@ def render_views(folder: Path, views: list[dict], made: dict, passes: int) -> No
                 picture += (mitsuba_scene.read_image(image) - picture) * (before / passes)
             write_picture(folder, v, made, passes, picture)
             print(image, flush=True)
+    write_json(folder / "made.json", made)
 
 
 def write_sheet(file: Path, images: list[Path], columns: int = 7) -> None:

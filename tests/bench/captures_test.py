@@ -94,7 +94,7 @@ class Pictures(unittest.TestCase):
         before = self.renderer.calls
         self.run_to(4, folder="whole")
         steps = self.renderer.calls - before
-        self.assertEqual(steps, 2 * 4)  # a picture, made.json, and a move of each
+        self.assertEqual(steps, 2 * 4 + 2)  # a picture, made.json, and a move of each; made.json at the end
         for step in range(1, steps + 1):
             folder = f"killed at {step}"
             self.run_to(2, folder=folder)
@@ -105,6 +105,13 @@ class Pictures(unittest.TestCase):
             self.renderer.rendered = []
             self.assertEqual(self.run_to(4, folder=folder), [1.5, 1.5], folder)
             self.assertNotIn(0, self.renderer.rendered, f"{folder}: what was there is lost")
+
+    def test_the_records_at_the_end_are_those_of_the_pictures(self):
+        for passes in (2, 4):
+            self.run_to(passes)
+            records = json.loads((self.root / "out" / "made.json").read_text())["views"]
+            self.assertEqual([r["passes"] for r in records.values()], [passes] * 2)
+            self.assertFalse([r for r in records.values() if "before" in r])
 
     def test_a_picture_of_another_camera_is_made_again(self):
         self.run_to(2)
