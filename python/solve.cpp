@@ -1,7 +1,6 @@
 // The loop over a solver.
 #include <nanobind/stl/string.h>
 
-#include <chrono>
 #include <condition_variable>
 #include <filesystem>
 #include <map>
@@ -72,7 +71,6 @@ Folders& folders() {
 class FolderClaim {
   public:
     FolderClaim(const std::string& folder, const Flag& is_abandoned) : folder_(real_path(folder)) {
-        constexpr auto kPatience = std::chrono::milliseconds(50);
         std::unique_lock lock(folders().mutex);
         while (!folders().writers.try_emplace(folder_, is_abandoned).second) {
             if (!*folders().writers[folder_])

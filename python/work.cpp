@@ -3,7 +3,6 @@
 #include <nanobind/nanobind.h>
 #include <unistd.h>
 
-#include <chrono>
 #include <condition_variable>
 #include <csignal>
 #include <cstdlib>
@@ -67,9 +66,6 @@ thread_local bool works = false;
 [[noreturn]] void hang() {
     while (true) std::this_thread::sleep_for(std::chrono::hours(1));
 }
-
-/// Between looks for signals.
-constexpr auto kPatience = std::chrono::milliseconds(50);
 
 /// Of the thread that asks; raises what a signal's handler raises.
 void hear_signals() {

@@ -6,6 +6,7 @@
 #include <nanobind/nanobind.h>
 
 #include <atomic>
+#include <chrono>
 #include <functional>
 #include <memory>
 #include <optional>
@@ -13,6 +14,9 @@
 #include "burnish/renderer.h"
 
 namespace burnish::python {
+
+/// Between looks for what ends a wait: signals, and that nobody waits for the work any more.
+inline constexpr auto kPatience = std::chrono::milliseconds(50);
 
 /// Ends work that nobody waits for.
 struct Abandoned {};
