@@ -194,7 +194,7 @@ void bind_solve(nb::module_& m) {
         "in the first\nprocess the iterations, tqdm's where it is installed; False: nothing. "
         "checkpoints: a folder, not beside a state: the\nrun goes on from the newest checkpoint "
         "there, to the bytes of an uninterrupted one, and writes one every minute, at\nits end, "
-        "and after Ctrl-C." +
+        "and after Ctrl-C; another one while the program ends leaves the checkpoint before." +
         options_text();
     m.def("solve", run, nb::arg("problem"), nb::arg("state") = nb::none(),
           nb::arg("callback") = nb::none(), nb::arg("progress") = nb::none(),

@@ -73,10 +73,24 @@ void hear_signals() {
     if (PyErr_CheckSignals() != 0) nb::raise_python_error();
 }
 
+/// What Python has printed and still holds.
+void flush_output() {
+    const nb::gil_scoped_acquire gil;
+    for (const char* name : {"stdout", "stderr"}) {
+        const nb::handle stream = PySys_GetObject(name);
+        try {
+            if (stream.is_valid() && !stream.is_none()) stream.attr("flush")();
+        } catch (const nb::python_error&) {
+            continue;  // such as of a stream that is closed
+        }
+    }
+}
+
 /// As the default action of Ctrl-C does. Not by an exception: work would go on in an interpreter
 /// that is no more.
 [[noreturn]] void end_by_signal() {
-    std::signal(SIGINT, SIG_DFL);
+    std::signal(SIGINT, SIG_DFL);  // another one ends what a stream waits for
+    flush_output();
     std::raise(SIGINT);
     std::abort();  // where the signal is blocked
 }

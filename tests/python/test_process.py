@@ -307,6 +307,7 @@ def test_ctrl_c_ends_a_program_that_waits_for_a_loss(scene):
         import atexit
         at_work, ending = threading.Event(), threading.Event()
         atexit.register(ending.set)
+        sys.stdout.reconfigure(write_through=False)  # also where PYTHONUNBUFFERED is set
         def loss(image, view):
             at_work.set()
             time.sleep(60)
@@ -322,9 +323,9 @@ def test_ctrl_c_ends_a_program_that_waits_for_a_loss(scene):
         try:
             burnish.Solver(burnish.Problem(renderer, target, burnish.Unknown('mat-goblet.roughness', 0.5), loss)).step()
         except KeyboardInterrupt:
-            pass
+            print("interrupted")
     """), scene)
-    assert done.returncode == -signal.SIGINT and not done.stdout, done.stdout + done.stderr
+    assert done.returncode == -signal.SIGINT and done.stdout == "interrupted\n", done.stdout + done.stderr
 
 
 @pytest.mark.parametrize("goes_on", [
