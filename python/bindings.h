@@ -69,8 +69,7 @@ TextureValues to_textures(nb::handle textures, const Renderer& renderer);
 /// The texture that a name means, in any form; no texel is read. Throws InputError: there is none.
 ParameterInfo texture_info(const Renderer& renderer, const std::string& name);
 
-/// A number, three numbers, "fit" or "fit_rgb". Throws TypeError and
-/// InputError.
+/// A number, three numbers, "fit" or "fit_rgb". Throws TypeError and InputError.
 Exposure to_exposure(nb::handle value);
 
 /// A number in the place of an array: of Python or numpy, or an array without dimensions. Throws
