@@ -142,7 +142,7 @@ void bind_captures(nb::module_& m) {
         "file holds out. The scene is not read: the picture of a\nsensor may be a row shorter than "
         "its film's aspect ratio asks for, which the program refuses.");
     m.def("read_views", read_all_views, nb::arg("path"), nb::arg("images") = nb::none(),
-          nb::arg("scale") = 1.0, nb::arg("exposure") = 1.0,
+          nb::arg("scale") = 1.0, nb::arg("exposure").none() = 1.0,
           nb::arg("held_out").none() = nb::tuple(),
           nb::sig("def read_views(path: str | os.PathLike[str], images: str | os.PathLike[str] | "
                   "None = None, scale: float = 1.0, exposure: numpy.typing.ArrayLike | "

@@ -285,6 +285,8 @@ def test_masked_arrays(renderer, target):
 def test_none_has_a_sentence(target):
     for call, message in [(lambda: burnish.View(target, exposure=None), "exposure: expected a number, three numbers, 'fit' or 'fit_rgb', found NoneType"),
                           (lambda: burnish.View(target, held_out=None), "held_out: expected True or False, found None"),
+                          (lambda: burnish.read_views("transforms.json", exposure=None),
+                           "exposure: expected a number, three numbers, 'fit' or 'fit_rgb', found NoneType"),
                           (lambda: burnish.Sensor(None), "name: expected the id of a sensor or its number, found None")]:
         with pytest.raises((burnish.InputError, TypeError), match=f"^{message}"):
             call()
