@@ -161,7 +161,8 @@ std::vector<double> to_numbers(nb::handle given, const std::string& what,
     const auto own = nb::cast<std::vector<std::size_t>>(array.attr("shape"));
     const bool may_be_numbers = kind_of(array) == "O" && !own.empty();  // such as fractions
     if (!has_numbers(array) && !may_be_numbers)
-        fail_for_type(what, expected, "an array of " + dtype_of_array(array));
+        fail_for_type(what, expected,
+                      own.empty() ? type_of(given) : "an array of " + dtype_of_array(array));
     const auto fits = [](std::size_t a, std::size_t b) { return b == 0 || a == b; };
     if (!std::equal(own.begin(), own.end(), shape.begin(), shape.end(), fits))
         throw InputError(what + ": found the shape " + shape_text(array) + ", expected " +

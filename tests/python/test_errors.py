@@ -261,7 +261,7 @@ def test_any_array_is_a_row_of_numbers(target):
 ])
 def test_what_is_no_row_of_numbers_is_said(target, make, expected):
     for wrong, error, found in [(np.zeros((2, 3)), burnish.InputError, r"found the shape \(2, 3\), expected {0}"),
-                                (["a", "b", "c"], TypeError, "expected {0}, found an array of <U1"), (set(), TypeError, "expected {0}, found "),
+                                (["a", "b", "c"], TypeError, "expected {0}, found an array of <U1"), (set(), TypeError, "expected {0}, found set$"),
                                 ([[1], [1, 2]], TypeError, "expected {0}, found list"), (Exploding(), TypeError, "expected {0}, found Exploding")]:
         with pytest.raises(error, match=f": {found.format(expected)}"):
             make(target, wrong)
