@@ -220,7 +220,8 @@ def test_any_scalar_is_a_number(renderer, target, problem, tmp_path):
     renderer.render({NAME: np.int64(1)}, spp=1)
     for true in (np.bool_(True), np.array(True)):
         burnish.Solver(problem, adam_gate=true)
-        burnish.solve(problem, iterations=1, evaluation_spp=2, progress=np.logical_not(true))
+        for progress in (np.logical_not(true), true):
+            burnish.solve(problem, iterations=1, evaluation_spp=2, progress=progress)
         assert burnish.View(target, held_out=true).held_out
 
 
@@ -284,9 +285,9 @@ def test_masked_arrays(renderer, target):
 
 def test_none_has_a_sentence(target):
     for call, message in [(lambda: burnish.View(target, exposure=None), "exposure: expected a number, three numbers, 'fit' or 'fit_rgb', found NoneType"),
-                          (lambda: burnish.View(target, held_out=None), "held_out: expected True or False, found None"),
                           (lambda: burnish.read_views("transforms.json", exposure=None),
                            "exposure: expected a number, three numbers, 'fit' or 'fit_rgb', found NoneType"),
+                          (lambda: burnish.View(target, held_out=None), "held_out: expected True or False, found None"),
                           (lambda: burnish.Sensor(None), "name: expected the id of a sensor or its number, found None")]:
         with pytest.raises((burnish.InputError, TypeError), match=f"^{message}"):
             call()
