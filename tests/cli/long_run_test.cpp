@@ -1,7 +1,12 @@
 // Runs of very many iterations, and of large scenes: their memory, the bytes of their parts, and
 // how soon a signal ends them. BURNISH_FAULTS=1 for 100,000 iterations and 1400 x 1400 pixels.
+#include <algorithm>
 #include <chrono>
 #include <csignal>
+#include <cstdlib>
+#include <fstream>
+#include <iterator>
+#include <string>
 #include <thread>
 #include <vector>
 
@@ -21,9 +26,21 @@ class LongRun : public Program {
   protected:
     LongRun() { write_scene(); }
 
-    /// Waits until a run has written down so many iterations. False: it has ended before.
-    bool wait_for_iterations(std::ptrdiff_t count, const std::string& out, pid_t pid) const {
-        while (iterations_told(out) < count) {
+    /// The iteration that a run has written down last; 0: none. Of a long run not all rows stay.
+    int last_iteration(const std::string& out) const {
+        std::ifstream file(folder / out / "checkpoints/history.csv",
+                           std::ios::binary | std::ios::ate);
+        if (!file) return 0;
+        constexpr std::streamoff kEnd = 4096;  // bytes, more than two rows have
+        file.seekg(std::max<std::streamoff>(0, file.tellg() - kEnd));
+        const std::string text(std::istreambuf_iterator<char>(file), {});
+        const std::size_t end = text.rfind('\n');
+        if (end == std::string::npos || end == 0) return 0;
+        return std::atoi(text.c_str() + text.rfind('\n', end - 1) + 1);
+    }
+    /// Waits until a run has written down that iteration. False: it has ended before.
+    bool wait_for_iteration(int iteration, const std::string& out, pid_t pid) const {
+        while (last_iteration(out) < iteration) {
             siginfo_t ended{};
             if (waitid(P_PID, static_cast<id_t>(pid), &ended, WEXITED | WNOHANG | WNOWAIT) != 0 ||
                 ended.si_pid == pid)
@@ -52,23 +69,28 @@ TEST_F(LongRun, ItsMemoryStaysAndItsPartsMakeTheSameBytes) {
         "--target-spp 16 --evaluation-spp 4 --iterations " +
         std::to_string(iterations) + " -o ";
     const pid_t whole = start(arguments + "whole");
-    ASSERT_TRUE(wait_for_iterations(iterations * 2 / 5, "whole", whole));
+    ASSERT_TRUE(wait_for_iteration(iterations * 2 / 5, "whole", whole));
     const Clock::time_point begin = Clock::now();
     const double before = resident_bytes(whole);
-    ASSERT_TRUE(wait_for_iterations(iterations * 4 / 5, "whole", whole));
+    ASSERT_TRUE(wait_for_iteration(iterations * 19 / 20, "whole", whole));
     const double hours = seconds_since(begin) / 3600, growth = resident_bytes(whole) - before;
     EXPECT_LE(growth, 0x1p20 * (is_large ? hours : 1));
     ASSERT_EQ(end_of(whole), 0) << read_text(folder / ".err");
 
-    for (int part = 1; part < parts; ++part) {
+    int stops = 0;
+    for (int code = 75; code == 75;) {
+        const int next =
+            std::max(iterations / (parts + 2) * (stops + 1), last_iteration("parts") + 10);
         const pid_t pid =
-            start(part == 1 ? arguments + "parts" : "optimize --resume parts --threads 1");
-        ASSERT_TRUE(wait_for_iterations(iterations / (parts + 2) * part, "parts", pid));
-        kill(pid, SIGTERM);
+            start(stops == 0 ? arguments + "parts" : "optimize --resume parts --threads 1");
+        const bool is_last = stops == parts - 1;
+        if (!is_last && wait_for_iteration(next, "parts", pid)) kill(pid, SIGTERM), ++stops;
         const int status = end_of(pid);
-        ASSERT_TRUE(WIFEXITED(status) && WEXITSTATUS(status) == 75) << read_text(folder / ".err");
+        ASSERT_TRUE(WIFEXITED(status)) << status;
+        code = WEXITSTATUS(status);
+        ASSERT_TRUE(code == 0 || (code == 75 && !is_last)) << read_text(folder / ".err");
     }
-    ASSERT_EQ(run("optimize --resume parts").code, 0) << read_text(folder / ".err");
+    EXPECT_GE(stops, parts / 2);  // a busy machine may let it end before a signal
     EXPECT_GE(expect_same_files(folder / "whole", folder / "parts"), 5u);
 }
 
@@ -82,7 +104,7 @@ TEST_F(LongRun, ASignalEndsALargeOneSoon) {
     }
     const pid_t stopped =
         start("optimize " + scene + "--target-spp 1 --evaluation-spp 2 --time 100000 -o out");
-    ASSERT_TRUE(wait_for_iterations(8, "out", stopped)) << read_text(folder / ".err");
+    ASSERT_TRUE(wait_for_iteration(8, "out", stopped)) << read_text(folder / ".err");
     Clock::time_point sent = Clock::now();
     kill(stopped, SIGTERM);
     const int with_checkpoint = end_of(stopped);
@@ -90,9 +112,9 @@ TEST_F(LongRun, ASignalEndsALargeOneSoon) {
     EXPECT_TRUE(WIFEXITED(with_checkpoint) && WEXITSTATUS(with_checkpoint) == 75)
         << read_text(folder / ".err");
 
-    const std::ptrdiff_t told = iterations_told("out");
+    const int told = last_iteration("out");
     const pid_t impatient = start("optimize --resume out");
-    ASSERT_TRUE(wait_for_iterations(told + 2, "out", impatient)) << read_text(folder / ".err");
+    ASSERT_TRUE(wait_for_iteration(told + 2, "out", impatient)) << read_text(folder / ".err");
     kill(impatient, SIGINT);
     std::this_thread::sleep_for(std::chrono::seconds(is_large ? 3 : 0));
     sent = Clock::now();
