@@ -4,8 +4,6 @@
 #include <chrono>
 #include <csignal>
 #include <cstdlib>
-#include <fstream>
-#include <iterator>
 #include <string>
 #include <thread>
 #include <vector>
@@ -26,21 +24,9 @@ class LongRun : public Program {
   protected:
     LongRun() { write_scene(); }
 
-    /// The iteration that a run has written down last; 0: none. Of a long run not all rows stay.
-    int last_iteration(const std::string& out) const {
-        std::ifstream file(folder / out / "checkpoints/history.csv",
-                           std::ios::binary | std::ios::ate);
-        if (!file) return 0;
-        constexpr std::streamoff kEnd = 4096;  // bytes, more than two rows have
-        file.seekg(std::max<std::streamoff>(0, file.tellg() - kEnd));
-        const std::string text(std::istreambuf_iterator<char>(file), {});
-        const std::size_t end = text.rfind('\n');
-        if (end == std::string::npos || end == 0) return 0;
-        return std::atoi(text.c_str() + text.rfind('\n', end - 1) + 1);
-    }
     /// Waits until a run has written down that iteration. False: it has ended before.
     bool wait_for_iteration(int iteration, const std::string& out, pid_t pid) const {
-        while (last_iteration(out) < iteration) {
+        while (iterations_told(out) < iteration) {
             siginfo_t ended{};
             if (waitid(P_PID, static_cast<id_t>(pid), &ended, WEXITED | WNOHANG | WNOWAIT) != 0 ||
                 ended.si_pid == pid)
@@ -80,7 +66,7 @@ TEST_F(LongRun, ItsMemoryStaysAndItsPartsMakeTheSameBytes) {
     int stops = 0;
     for (int code = 75; code == 75;) {
         const int next =
-            std::max(iterations / (parts + 2) * (stops + 1), last_iteration("parts") + 10);
+            std::max(iterations / (parts + 2) * (stops + 1), iterations_told("parts") + 10);
         const pid_t pid =
             start(stops == 0 ? arguments + "parts" : "optimize --resume parts --threads 1");
         const bool is_last = stops == parts - 1;
@@ -112,7 +98,7 @@ TEST_F(LongRun, ASignalEndsALargeOneSoon) {
     EXPECT_TRUE(WIFEXITED(with_checkpoint) && WEXITSTATUS(with_checkpoint) == 75)
         << read_text(folder / ".err");
 
-    const int told = last_iteration("out");
+    const int told = iterations_told("out");
     const pid_t impatient = start("optimize --resume out");
     ASSERT_TRUE(wait_for_iteration(told + 2, "out", impatient)) << read_text(folder / ".err");
     kill(impatient, SIGINT);

@@ -15,6 +15,7 @@
 #include <filesystem>
 #include <fstream>
 #include <functional>
+#include <iterator>
 #include <nlohmann/json.hpp>
 #include <set>
 #include <string>
@@ -203,11 +204,20 @@ class Program : public ::testing::Test {
     fs::path lock_of(const std::string& out) const {
         return folder / out / ".burnish-unfinished" / "lock";
     }
-    /// Iterations that a run has written down so far; -1: it has not begun to.
-    std::ptrdiff_t iterations_told(const std::string& out,
-                                   const std::string& checkpoints = "checkpoints") const {
-        const std::string lines = read_text(folder / out / checkpoints / "history.csv");
-        return std::count(lines.begin(), lines.end(), '\n') - 1;
+    /// The iteration that a run has written down last; 0: none yet, -1: it has not begun to. Of a
+    /// long run not all rows stay.
+    int iterations_told(const std::string& out,
+                        const std::string& checkpoints = "checkpoints") const {
+        std::ifstream file(folder / out / checkpoints / "history.csv",
+                           std::ios::binary | std::ios::ate);
+        if (!file) return -1;
+        constexpr std::streamoff kEnd = 4096;  // bytes, more than two rows have
+        file.seekg(std::max<std::streamoff>(0, file.tellg() - kEnd));
+        const std::string text(std::istreambuf_iterator<char>(file), {});
+        const std::size_t end = text.rfind('\n');
+        if (end == std::string::npos) return -1;
+        const std::size_t before = end == 0 ? std::string::npos : text.rfind('\n', end - 1);
+        return before == std::string::npos ? 0 : std::atoi(text.c_str() + before + 1);
     }
 
     /// A square with two textures, seen from the front under an area light; 24 x 24 pixels, box
