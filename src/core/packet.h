@@ -231,6 +231,14 @@ inline LaneIntegers to_integers(const Packet& p) {
     });
 }
 
+/// from[index[lane]] of each lane.
+template <class Index>
+Packet gather(const float* from, const Index* index) {
+    float lanes[kLanes];
+    for (int i = 0; i < kLanes; ++i) lanes[i] = from[index[i]];
+    return load(lanes);
+}
+
 /// from[index] of each lane; index below 2^31.
 inline Packet gather(const float* from, const LaneIntegers& index) {
 #if defined(__AVX512F__)
@@ -241,18 +249,8 @@ inline Packet gather(const float* from, const LaneIntegers& index) {
 #else
     std::uint32_t at[kLanes];
     store(at, index);
-    float lanes[kLanes];
-    for (int i = 0; i < kLanes; ++i) lanes[i] = from[at[i]];
-    return load(lanes);
+    return gather(from, at);
 #endif
-}
-
-/// from[index[lane]] of each lane.
-template <class Index>
-Packet gather(const float* from, const Index* index) {
-    float lanes[kLanes];
-    for (int i = 0; i < kLanes; ++i) lanes[i] = from[index[i]];
-    return load(lanes);
 }
 
 /// Of registers a and b the lanes whose number has a bit clear, or set; those of b take the lanes

@@ -21,10 +21,6 @@ void swap_winding(Mesh& mesh) {
     mesh.is_turned = !mesh.is_turned;
 }
 
-}  // namespace
-
-namespace {
-
 /// Of the unit normals of the faces at each vertex, weighted by the angle there [Thuermer and
 /// Wuethrich 1998, "Computing Vertex Normals from Polygonal Facets"].
 std::vector<Vec3<double>> normal_sums(const Mesh& mesh) {
