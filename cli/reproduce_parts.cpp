@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <memory>
+#include <utility>
 
 #include "burnish/error.h"
 #include "cli/console.h"
@@ -193,18 +194,18 @@ Get<T> keep_estimates(const KeptResults& kept, const char* kind, double& took) {
     };
 }
 
-/// Sets the part's result, unless a signal came before it could be made.
+/// Sets the part's result, unless a signal came before it could be made. seconds: of what was made
+/// for it before.
 void run_part(const ReproduceOptions& options, const Machine& machine, const KeptResults& kept,
-              TargetScenes scene, const std::vector<Part>& parts, Part& part) {
+              TargetScenes scene, const std::vector<Part>& parts, double seconds, Part& part) {
     NoteLine line(title_of(part, parts));
     WorkNote note = note_on(line);
     const Experiment& e = *part.experiment;
     const nlohmann::json made = made_of(part, options, machine);
     const KeptResults unfinished{kept_path(kept, name_of(part) + "-unfinished", made),
                                  kept.program};
-    double earlier_seconds = 0;
-    note.numbers = keep_estimates<EstimateNumbers>(unfinished, "estimate", earlier_seconds);
-    note.reference = keep_estimates<DerivativeReference>(unfinished, "derivative", earlier_seconds);
+    note.numbers = keep_estimates<EstimateNumbers>(unfinished, "estimate", seconds);
+    note.reference = keep_estimates<DerivativeReference>(unfinished, "derivative", seconds);
     if (e.needs == Needs::kRuns &&
         !prepare_runs(*part.target, options, machine, kept, note, scene[0]))
         return;
@@ -220,7 +221,7 @@ void run_part(const ReproduceOptions& options, const Machine& machine, const Kep
         return;
     }
     result.title = e.title;
-    result.seconds = earlier_seconds + watch.total();
+    result.seconds = seconds + watch.total();
     if (e.needs == Needs::kRuns) result.seconds += seconds_of(*scene[0].runs);
     for (Figure& f : result.figures)
         for (auto& row : f.pictures)
@@ -306,17 +307,20 @@ void run_parts(const ReproduceOptions& options, const Machine& machine, const Ke
     std::stable_sort(missing.begin(), missing.end(),
                      [](const Part* a, const Part* b) { return a->target < b->target; });
     std::vector<TargetScene> scene;
+    double preparing = 0;  // seconds: the first part of a scene counts them
     const KnownTarget* of = nullptr;
     for (Part* part : missing) {
         if (interrupted()) return;
         if (part->target && part->target != of) {
             scene.clear();
+            const Stopwatch watch;
             scene.push_back(prepare(*part->target, options, kept, own_folder));
-            of = part->target;
+            of = part->target, preparing = watch.total();
             if (interrupted()) return;
         }
-        run_part(options, machine, kept, part->target ? TargetScenes(scene) : TargetScenes(), parts,
-                 *part);
+        const bool has_scene = part->target != nullptr;
+        run_part(options, machine, kept, has_scene ? TargetScenes(scene) : TargetScenes(), parts,
+                 has_scene ? std::exchange(preparing, 0.0) : 0.0, *part);
         if (part->result) log_part(*part);
     }
 }
