@@ -99,14 +99,16 @@ NewChoice choose_group(const Setup& setup, const SearchPlan& plan, std::size_t g
 }
 
 /// Returns how many texels start anew. Once more changes nothing.
-std::size_t take_textures(const Ranks& ranks, const SearchPlan& plan, std::size_t group,
+std::size_t take_textures(const Setup& setup, const SearchPlan& plan, std::size_t group,
                           const SearchInput& input, const NewChoice& choice, State::Values& state) {
+    const Ranks& ranks = setup.problem.ranks;
     std::size_t texels = 0;
     for (std::size_t m = 0; m < choice.after.size(); ++m) {
         const std::size_t i = input.indices[plan.groups[group].members[m]];
         Image& texture = state.theta.textures[i].values;
         const IndexRange own = own_range(texture.values.size(), ranks.rank, ranks.count);
-        texels += restart(choice.before[m], choice.after[m], state.pyramids[i], texture, own.begin);
+        texels += restart(setup.unknowns[i].maps, choice.before[m], choice.after[m],
+                          state.pyramids[i], texture, own.begin);
     }
     return texels;
 }
@@ -142,8 +144,7 @@ void search_again(const Setup& setup, State::Values& state, const StopQuestion& 
     }
     SearchedAgain done{state.iteration, 0};
     for (std::size_t g = 0; g < choices.size(); ++g)
-        if (choices[g])
-            done.texels += take_textures(setup.problem.ranks, plan, g, input, *choices[g], state);
+        if (choices[g]) done.texels += take_textures(setup, plan, g, input, *choices[g], state);
     // Nothing fails from here on.
     for (std::size_t g = 0; g < choices.size(); ++g)
         if (choices[g])

@@ -61,6 +61,28 @@ void take_larger(const Prolongation& prolongation, const ChartBorders& borders, 
     }
 }
 
+/// values, of a level's size, plus the sum of all coarser ones.
+Image prolonged_onto(const PyramidMaps& maps, std::size_t level, const Image& coarser,
+                     Image values) {
+    parallel_chunks(values.values.size(), kParallelFloats, [&](std::size_t begin, std::size_t end) {
+        for_prolonged(maps.prolongation, maps.borders[level], values.width, &coarser, {}, begin,
+                      end, [&](std::size_t from, std::size_t to, const float* coarse) {
+                          for (std::size_t k = from; k < to; ++k)
+                              values.values[k] += coarse[k - from];
+                      });
+    });
+    return values;
+}
+
+/// The coarsest level alone, of the texture's size: weight decay leaves it where it is.
+Image prolong_coarsest(const PyramidMaps& maps, const PyramidState& state) {
+    Image sum = state.levels.back().values;
+    for (std::size_t i = state.levels.size() - 1; i-- > 0;)
+        sum = prolonged_onto(maps, i, sum,
+                             make_image(maps.sizes[i].x, maps.sizes[i].y, sum.channels));
+    return sum;
+}
+
 }  // namespace
 
 PyramidMaps make_maps(int levels, int width, int height, const ChartMap& charts, bool repeats) {
@@ -98,29 +120,21 @@ PyramidState encode(const PyramidMaps& maps, const Image& initial, bool keeps_in
 
 Image decode(const PyramidMaps& maps, const PyramidState& state) {
     Image texture = state.levels.back().values;
-    for (std::size_t i = state.levels.size() - 1; i-- > 0;) {
-        Image finer = copy_of(state.levels[i].values);
-        parallel_chunks(
-            finer.values.size(), kParallelFloats, [&](std::size_t begin, std::size_t end) {
-                for_prolonged(maps.prolongation, maps.borders[i], finer.width, &texture, {}, begin,
-                              end, [&](std::size_t from, std::size_t to, const float* coarse) {
-                                  for (std::size_t k = from; k < to; ++k)
-                                      finer.values[k] += coarse[k - from];
-                              });
-            });
-        texture = std::move(finer);
-    }
+    for (std::size_t i = state.levels.size() - 1; i-- > 0;)
+        texture = prolonged_onto(maps, i, texture, copy_of(state.levels[i].values));
     for (float& v : texture.values) v = std::clamp(v, 0.0f, 1.0f);
     return texture;
 }
 
-std::size_t restart(const Image& from, const Image& to, PyramidState& state, Image& texture,
-                    std::size_t begin) {
+std::size_t restart(const PyramidMaps& maps, const Image& from, const Image& to,
+                    PyramidState& state, Image& texture, std::size_t begin) {
+    if (from == to) return 0;
     LevelState& finest = state.levels.front();
     std::vector<float>& values = finest.values.values;
     std::vector<float>& initial = finest.adam.initial;
     const std::size_t period = initial.size();
-    if (from != to && period > 0 && period < values.size()) {
+    const Image coarsest = period > 0 ? prolong_coarsest(maps, state) : Image{};
+    if (period > 0 && period < values.size()) {
         initial.resize(values.size());
         for (std::size_t k = period; k < initial.size(); ++k) initial[k] = initial[k % period];
     }
@@ -131,7 +145,9 @@ std::size_t restart(const Image& from, const Image& to, PyramidState& state, Ima
         texels += k / channels != last, last = k / channels;
         if (const std::size_t own = k - begin; k >= begin && own < values.size()) {
             values[own] += to.values[k] - texture.values[k];
-            if (period > 0) initial[own] = to.values[k];
+            if (period > 0)
+                initial[own] =
+                    to.values[k] - (state.visits[own / channels] > 0 ? coarsest.values[k] : 0.0f);
             for (auto* of : {&finest.adam.mean, &finest.adam.square, &finest.adam.noise})
                 if (!of->empty()) (*of)[own] = 0;
         }

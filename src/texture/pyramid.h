@@ -49,11 +49,11 @@ PyramidState encode(const PyramidMaps& maps, const Image& initial, bool keeps_in
 Image decode(const PyramidMaps& maps, const PyramidState& state);
 
 /// Where `to` differs from `from`, the texture becomes `to` and starts there anew: the finest level
-/// takes up the difference and forgets its gradients, and what it keeps of its start becomes `to`.
-/// All of the texture's size. begin: the first float of the finest level that the state holds,
-/// which may be that of a part. Returns how many texels that are.
-std::size_t restart(const Image& from, const Image& to, PyramidState& state, Image& texture,
-                    std::size_t begin = 0);
+/// takes up the difference and forgets its gradients, and weight decay draws the sum of the levels
+/// to `to`. All of the texture's size. begin: the first float of the finest level that the state
+/// holds, which may be that of a part. Returns how many texels that are.
+std::size_t restart(const PyramidMaps& maps, const Image& from, const Image& to,
+                    PyramidState& state, Image& texture, std::size_t begin = 0);
 
 /// The signal-to-noise gate of the texels' gradients (over some 1 / (1 - beta2) steps), 0 to 1,
 /// [height, width, 1]: of the levels that a texel is a sum of the largest, each at the texel there

@@ -92,8 +92,8 @@ void expect_same_steps(const PyramidCase& c, const Ranks& ranks) {
         descend({own.adam, own.maps, part, exchange}, sum_of_views(ranks, parts, shared).front(),
                 own.state, own.workspace, texture);
         if (i == 3) {
-            restart(start, moved, whole.state, expected);
-            restart(start, moved, own.state, texture, part.front().own.begin);
+            restart(whole.maps, start, moved, whole.state, expected);
+            restart(own.maps, start, moved, own.state, texture, part.front().own.begin);
         }
         ASSERT_EQ(texture, expected) << ranks.rank << " of " << ranks.count << ", step " << i;
     }

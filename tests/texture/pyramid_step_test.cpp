@@ -389,9 +389,9 @@ TEST(Pyramid, StartsAnewWhereItIsTold) {
         Image to = from;
         for (const int x : {4, 30})
             for (int c = 0; c < 3; ++c) to.at(x, 7, c) = 0.1f * static_cast<float>(c + 1);
-        EXPECT_EQ(restart(from, from, run.state, texture), 0u);
+        EXPECT_EQ(restart(run.maps, from, from, run.state, texture), 0u);
         EXPECT_TRUE(run.state == before && texture == moved);
-        EXPECT_EQ(restart(from, to, run.state, texture), 2u);
+        EXPECT_EQ(restart(run.maps, from, to, run.state, texture), 2u);
         const AdamState& adam = run.state.levels[0].adam;
         const Image decoded = decode(run);
         for (std::size_t k = 0; k < texture.values.size(); ++k) {
@@ -401,11 +401,30 @@ TEST(Pyramid, StartsAnewWhereItIsTold) {
             EXPECT_EQ(adam.mean[k], is_new ? 0 : before.levels[0].adam.mean[k]);
             EXPECT_EQ(adam.square[k], is_new ? 0 : before.levels[0].adam.square[k]);
             EXPECT_EQ(adam.noise[k], is_new ? 0 : before.levels[0].adam.noise[k]);
-            if (levels > 1) {
-                EXPECT_EQ(adam.initial[k], to.values[k]);
+            if (levels > 1 && !is_new) {
+                EXPECT_EQ(adam.initial[k], 0.5f);
             }
         }
     }
+}
+
+/// After 3000 steps without a gradient weight decay has drawn levels to where they started.
+TEST(Pyramid, StaysWhereItStartsAnew) {
+    constexpr float kTo = 0.7f;
+    PyramidRun run = make_run(4, make_image(37, 18, 1, 0.3f));
+    Image texture = decode(run);
+    const Image up = make_image(37, 18, 1, -1.0f), none = make_image(37, 18, 1, 0.0f);
+    for (int i = 0; i < 8; ++i) descend({up, up, {}}, run, texture);
+    for (int i = 0; i < 60; ++i) descend({none, none, {}}, run, texture);
+    EXPECT_GT(run.state.levels.back().values.at(3, 1, 0), 0.05f) << "no decay there";
+    Image from = make_image(37, 18, 1, 0.3f), to = from;
+    to.at(20, 9, 0) = kTo;
+    restart(run.maps, from, to, run.state, texture);
+    EXPECT_EQ(texture.at(20, 9, 0), kTo);
+    const float beside = texture.at(21, 9, 0);
+    for (int i = 0; i < 3000; ++i) descend({none, none, {}}, run, texture);
+    EXPECT_LT(texture.at(21, 9, 0), beside - 0.05f) << "finer levels go back";
+    EXPECT_NEAR(texture.at(20, 9, 0), kTo, 0.005f);
 }
 
 }  // namespace
