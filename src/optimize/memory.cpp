@@ -129,8 +129,8 @@ VertexBytes vertex_bytes(const Reservoirs& o, const TracedScene& view,
         sizeof(std::uint32_t) + each * others * sizeof(PathVertex)};
 }
 
-/// Two reservoirs for each texel, but never more than there were candidates in as many iterations
-/// as confidence reaches back; and the unknowns and the adjoint under which they were made.
+/// Two reservoirs for each texel: one that no candidate reaches any more keeps its sample for
+/// hundreds of iterations. And the unknowns and the adjoint under which they were made.
 SampleBytes sample_bytes(const Reservoirs& o, const TracedScene& view,
                          const std::vector<char>& reaching, const Theta& theta) {
     const double samples = light_samples(view, reaching, theta, o.samples);
@@ -140,9 +140,7 @@ SampleBytes sample_bytes(const Reservoirs& o, const TracedScene& view,
     double texels = 0;
     for (const ThetaTexture& t : theta.textures)
         texels += static_cast<double>(t.values.width) * t.values.height;
-    const double candidates = 4 * samples;
-    const double reservoirs = std::min(2 * texels, candidates * double{1 + o.confidence_cap});
-    const double all = reservoirs * (sizeof(HistorySample) + vertices.reservoir);
+    const double all = 2 * texels * (sizeof(HistorySample) + vertices.reservoir);
     const double history = all + bytes_of(theta) + pixels_of(view.film) * sizeof(Rgbf);
     return {history, paths + 2 * all, history};
 }

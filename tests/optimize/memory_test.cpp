@@ -156,9 +156,9 @@ TEST(Memory, OfBandsStaysFromViewToView) {
     EXPECT_GT(bytes({front, back}), 1.5 * one);
 }
 
-/// A view keeps the unknowns under which its reservoirs were made, and those before for as long as
-/// an iteration lasts.
-TEST(Memory, OfAHistoryCountsItsTextures) {
+/// A view keeps reservoirs, two for each texel, and the unknowns under which they were made, and
+/// those before for as long as an iteration lasts; in it candidates become reservoirs, too.
+TEST(Memory, OfAHistoryCountsItsReservoirsAndTextures) {
     const Reservoirs options{.samples = 1, .confidence_cap = 1};
     const auto samples = [&](int texels, std::size_t views, std::size_t batch) {
         const Scene scene = scene_with_roughness(16, texels, 1);
@@ -167,10 +167,13 @@ TEST(Memory, OfAHistoryCountsItsTextures) {
         const auto reaching = reaching_pixels(all, theta);
         return estimate_memory(options, {all, {}, reaching}, {}, theta, kSeed, batch).samples;
     };
-    const double more = (512 * 512 - 256 * 256) * sizeof(float);
+    const double texels = 512 * 512 - 256 * 256, textures = texels * sizeof(float),
+                 reservoirs = 2 * texels * sizeof(HistorySample);
     for (const auto& [views, batch] : {std::array<std::size_t, 2>{1, 1}, {3, 1}, {3, 2}, {3, 9}})
-        EXPECT_DOUBLE_EQ(samples(512, views, batch) - samples(256, views, batch),
-                         static_cast<double>(views + std::min(views, batch)) * more);
+        EXPECT_DOUBLE_EQ(
+            samples(512, views, batch) - samples(256, views, batch),
+            static_cast<double>(views + std::min(views, batch)) * (reservoirs + textures) +
+                2 * reservoirs);
 }
 
 TEST(Memory, OfASkyCountsOnceHoweverItIsTurned) {
