@@ -36,7 +36,8 @@ struct PixelStatistics {
 PixelStatistics make_pixel_statistics(const Binding& binding);
 
 /// e_j of every pixel: 0 where no unknown can be seen, elsewhere from kUniformShare *
-/// mean to kMaxOfMean * mean, `mean` on average. mean: m, above 0.
+/// mean to kMaxOfMean * mean, on average `mean` or, where few pixels carry the adjoint, less. mean:
+/// m, above 0.
 std::vector<float> expected_samples(const Film& film, const Image& normalized_adjoint, float mean,
                                     const PixelStatistics& statistics);
 

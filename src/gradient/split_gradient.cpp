@@ -37,7 +37,7 @@ void add(const SplitGradient& gradient, SplitGradient& to) {
         for_dirty_intervals(gradient.dirty, begin, end, [&](std::size_t from, std::size_t past) {
             add_part(gradient.first, to.first, from, past);
             add_part(gradient.second, to.second, from, past);
-            mark_dirty(to.dirty, from, past);
+            if (!to.dirty.empty()) mark_dirty(to.dirty, from, past);
         });
     });
 }

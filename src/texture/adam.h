@@ -81,9 +81,10 @@ RootSum root_sum(const AdamState& state);
 ///   x -= rate gate sqrt(1 - b2^t) / (1 - b1^t) m / sqrt(v + (damping mean_root)^2)
 ///   x -= rate weight_decay (x - initial)
 ///
-/// where v > 0. Steps do not depend on the gradient's scale, which falls with the number of texels,
-/// as long as its squares are floats, from 1e-19 or so: what is added to v is measured by the
-/// array's own sqrt(v), whose mean was mean_root before this step.
+/// where v > 0; weight decay acts on all of a block of kDirtyBlock that a gradient has reached.
+/// Steps do not depend on the gradient's scale, which falls with the number of texels, as long as
+/// its squares are floats, from 1e-19 or so: what is added to v is measured by the array's own
+/// sqrt(v), whose mean was mean_root before this step.
 ///
 /// g: the gradient, d: the difference of its halves. gate: 1, or with AdamOptions::gate and a split
 /// gradient snr_gate(v, n). Plain Adam makes a full step of what is only noise; the gate leaves the

@@ -15,9 +15,10 @@ using ChartMap = std::vector<std::uint32_t>;
 
 /// The charts of a bitmap: sets of triangles that share vertices (position and texture coordinate)
 /// and so are continuous in the texture. A texel belongs to the chart that covers its centre, or
-/// else to one whose look-ups reach it; charts that overlap in the texture are one. Everything is
-/// one chart where a shape without texture coordinates, a sphere or a disk reads the bitmap, and
-/// where it is repeated so often that there is little to tell apart.
+/// else to one whose look-ups reach it; charts that overlap in the texture, or whose borders meet
+/// in the centre of a texel, are one. Everything is one chart where a shape without texture
+/// coordinates, a sphere or a disk reads the bitmap, and where it is repeated so often that there
+/// is little to tell apart.
 ChartMap texture_charts(const Scene& scene, TextureId texture);
 
 }  // namespace burnish
