@@ -94,8 +94,8 @@ constexpr std::array<ScalarName, kPrincipledScalars> kScalarNames{{
 constexpr std::size_t kFirstScalar = 3;
 
 /// No texture can take its place, which is said where it is asked for.
-void fix(BsdfReader& reader, const char* name) {
-    reader.loader.result.scene.fixed_inputs.push_back(fmt::format("{}.{}", reader.id, name));
+void fix_index(BsdfReader& reader, const char* name) {
+    reader.loader.result.scene.index_inputs.push_back(fmt::format("{}.{}", reader.id, name));
 }
 
 Principled read_principled(BsdfReader& reader) {
@@ -113,9 +113,9 @@ Principled read_principled(BsdfReader& reader) {
             return c.input ==
                    static_cast<int>(kFirstScalar) + static_cast<int>(PrincipledScalar::kSpecTrans);
         });
-        fix(reader, "spec_trans");
+        reader.loader.result.scene.absent_lobes.push_back(reader.id + ".spec_trans");
     }
-    for (const char* name : {"eta", "specular"}) fix(reader, name);
+    for (const char* name : {"eta", "specular"}) fix_index(reader, name);
     bsdf.eta = take_eta(reader.properties, bsdf.has_spec_trans);
     bsdf.specular_rate = take_rate(reader.properties, "main_specular_sampling_rate");
     bsdf.clearcoat_rate = take_rate(reader.properties, "clearcoat_sampling_rate");
@@ -145,7 +145,7 @@ PrincipledThin read_principled_thin(BsdfReader& reader) {
                               is_diff_trans ? TextureUse::kDiffTrans : TextureUse::kMaterial)
                 .input;
     }
-    fix(reader, "eta");
+    fix_index(reader, "eta");
     bsdf.eta = take_float(reader.properties, "eta", 1.5f);
     if (!(bsdf.eta > 0.6f))  // below, the scaled roughness of transmission has no meaning
         fail(reader.properties.node->place,

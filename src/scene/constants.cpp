@@ -158,14 +158,17 @@ constexpr FixedInputs kFixedInputs[] = {
     {&Scene::layer_inputs,
      "says which material or normal is shown, which cannot be recovered: expected an input of a "
      "BSDF, or a bitmap or a number that weighs two"},
-    {&Scene::fixed_inputs, "cannot be recovered: expected another input of a BSDF"}};
+    {&Scene::index_inputs, "says an index of refraction, which cannot be recovered"},
+    {&Scene::absent_lobes,
+     "is missing or 0 in the scene file, by which no light passes through: write another value "
+     "there to recover it, but not within \"twosided\", which takes none"}};
 
 /// None of the inputs that cannot be recovered is named better than the best one that can.
 void require_recoverable(const Scene& scene, const std::string& name, NameMatch best) {
     for (const FixedInputs& fixed : kFixedInputs)
         for (const std::string& input : scene.*fixed.names)
             if (match_name(name, input) > best)
-                throw InputError(fmt::format("{}: {} {}", name, input, fixed.reason));
+                throw InputError(fmt::format("{} {}", input, fixed.reason));
 }
 
 /// Where what precedes a colon means an input, what follows it is a size.

@@ -65,8 +65,11 @@ struct Scene {
     /// Names of textures that turn normals, and of weights that are no bitmaps, which cannot be
     /// recovered.
     std::vector<std::string> layer_inputs;
-    /// Names of numbers of BSDFs that no texture can take the place of.
-    std::vector<std::string> fixed_inputs;
+    /// Names of numbers of BSDFs that say an index of refraction, which cannot be recovered.
+    std::vector<std::string> index_inputs;
+    /// Names of numbers of BSDFs that let light pass through where the file gives them other than
+    /// as 0; here it does not, and they cannot be recovered.
+    std::vector<std::string> absent_lobes;
 
     const Texture& operator[](TextureId i) const {
         return textures[static_cast<std::size_t>(i.value)];

@@ -64,11 +64,13 @@ TEST_F(ConstantsTest, AConstantBecomesATextureOfASize) {
             std::string("optimize scene.xml --parameter mat-panel.metallic:") + size + " -o no", 65,
             std::string("mat-panel.metallic:") + size + ": found the size '" + size +
                 "', expected texels");
-    for (const char* fixed : {"eta", "specular", "spec_trans"})
-        expect_refused(std::string("optimize scene.xml --parameter mat-panel.") + fixed + " -o no",
+    for (const char* index : {"eta", "specular"})
+        expect_refused(std::string("optimize scene.xml --parameter mat-panel.") + index + " -o no",
                        65,
-                       std::string("mat-panel.brdf_0.") + fixed +
-                           " cannot be recovered: expected another input");
+                       std::string("burnish: mat-panel.brdf_0.") + index +
+                           " says an index of refraction, which cannot be recovered");
+    expect_refused("optimize scene.xml --parameter mat-panel.spec_trans -o no", 65,
+                   "burnish: mat-panel.brdf_0.spec_trans is missing or 0 in the scene file, ");
     const Outcome unknown = run("optimize scene.xml --parameter mat-panel.metallc -o no");
     EXPECT_TRUE(contains(unknown.err, "did you mean: mat-panel.brdf_0.metallic.value"))
         << unknown.err;
