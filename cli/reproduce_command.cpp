@@ -22,7 +22,6 @@
 #include "core/joined.h"
 #include "core/parallel.h"
 #include "experiments/experiments.h"
-#include "experiments/interval.h"
 #include "image/files.h"
 
 namespace burnish {
@@ -164,42 +163,6 @@ std::vector<KnownTarget> find_known_scenes(const CommandLine& options) {
     return targets;
 }
 
-std::vector<std::pair<std::string, std::string>> settings_text(const CommandLine& options,
-                                                               const ReproduceOptions& r,
-                                                               const Machine& machine,
-                                                               const std::vector<KnownTarget>& s) {
-    return {
-        {"image", fmt::format("{} x {}", r.width, r.height)},
-        {"texture", r.texture_side > 0 ? fmt::format("at most {} texels a side", r.texture_side)
-                                       : "as in the scene"},
-        {"scenes",
-         s.empty() ? "none" : joined(s, [](const KnownTarget& t) { return t.source.name; })},
-        {"samples per pixel of an iteration's image",
-         r.image_window == 0
-             ? fmt::format("{}, fresh", r.image_samples)
-             : fmt::format("{} fresh ones, and those of the last {} passes, shaded again",
-                           r.image_samples, 2 * r.image_window)},
-        {"samples per pixel of the target", fmt::format("{}", r.target_samples)},
-        {"samples per pixel of the converged derivative", fmt::format("{}", r.reference_samples)},
-        {"samples per pixel that evaluate a run", fmt::format("{}", r.evaluation_samples)},
-        {"iterations before a derivative is evaluated", fmt::format("{}", r.iterations)},
-        {"budget of an optimisation run",
-         fmt::format("{}, {:g} s of derivatives and {:g} s{}",
-                     count_text(static_cast<std::size_t>(r.budget.iterations), "iteration"),
-                     r.budget.derivative_seconds, r.budget.seconds,
-                     has_long(r.budget)
-                         ? fmt::format("; {} iterations of mc and of pgris with replay",
-                                       r.budget.long_iterations)
-                         : "")},
-        {"runs with seeds of their own behind an interval",
-         r.runs == 1 ? interval_text(r.runs) : fmt::format("{}", r.runs)},
-        {"seconds of a run over Adam's decay rates", fmt::format("{:g}", r.sweep_seconds)},
-        {"time scale", fmt::format("{:g}", options.time_scale)},
-        {"seed", fmt::format("{}", r.seed)},
-        {"threads", fmt::format("{}", machine.threads)},
-        {"processor", machine.processor}};
-}
-
 void write_results(const Reproduction& run, OutputFolder& output) {
     write_bytes(output.unfinished / "index.html", reproduction_html(run));
     write_bytes(output.unfinished / "results.json", reproduction_json(run));
@@ -251,18 +214,24 @@ void check_parts(const CommandLine& line) {
     }
 }
 
-/// Refuses scenes that nothing takes.
-void check_scenes(const CommandLine& line) {
-    if (!any_takes_scenes(line) && !(line.scene_names.empty() && line.scenes.empty()))
+/// Refuses options that have an effect with scenes alone, where nothing takes one.
+void check_scene_options(const CommandLine& line, const CLI::App& command) {
+    if (any_takes_scenes(line)) return;
+    std::vector<std::string> given;
+    for (const char* name :
+         {"--scene", "--scenes", "--size", "--time-scale", "--full", "--fresh-image"})
+        if (command.count(name) > 0) given.emplace_back(name);
+    if (!given.empty())
         throw UsageError(
-            "--scene and --scenes have no effect: the experiments that are named take no scene");
+            fmt::format("{} {} no effect: the experiments that are named take no scene",
+                        fmt::join(given, ", "), given.size() == 1 ? "has" : "have"));
 }
 
-void reproduce(const CommandLine& line) {
+void reproduce(const CommandLine& line, const CLI::App& command) {
     check_names("experiment", line.names, experiments());
     check_names("scene", line.scene_names, std::span<const KnownScene>(kScenes));
     check_parts(line);
-    check_scenes(line);
+    check_scene_options(line, command);
     const ReproduceOptions r = settings_of(line);
     OutputFolder output =
         open_output_folder(line.output, line.force ? Found::kAllowed : Found::kRefused);
@@ -285,7 +254,9 @@ void reproduce(const CommandLine& line) {
     if (done == 0 && interrupted()) end_interrupted();  // an earlier report stays
 
     Reproduction run = reproduction_of(parts);
-    run.settings = settings_text(line, r, machine, targets);
+    run.settings =
+        settings_text(r, line.time_scale, machine,
+                      joined(targets, [](const KnownTarget& t) { return t.source.name; }));
     if (done < parts.size())
         run.stopped = fmt::format("stopped with {} of {} parts done: the same command goes on",
                                   done, parts.size());
@@ -341,7 +312,7 @@ void add_reproduce_command(CLI::App& app) {
     add_number(*command, "--threads", options->threads, "T", "0: all cores",
                find_setting("run.threads").info.range);
     command->add_flag("--force", options->force, "Write into a folder that holds other things");
-    command->callback([options] { reproduce(*options); });
+    command->callback([options, command] { reproduce(*options, *command); });
 }
 
 }  // namespace burnish

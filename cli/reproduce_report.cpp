@@ -11,6 +11,7 @@
 #include "cli/pictures.h"
 #include "cli/report_figures.h"
 #include "core/version.h"
+#include "experiments/interval.h"
 
 namespace burnish {
 
@@ -117,6 +118,41 @@ h3.figure { font-size: 16px; margin: 30px 0 10px; }
 )CSS";
 
 }  // namespace
+
+std::vector<std::pair<std::string, std::string>> settings_text(const ReproduceOptions& r,
+                                                               double time_scale,
+                                                               const Machine& machine,
+                                                               const std::string& scenes) {
+    return {
+        {"image", fmt::format("{} x {}", r.width, r.height)},
+        {"texture", r.texture_side > 0 ? fmt::format("at most {} texels a side", r.texture_side)
+                                       : "as in the scene"},
+        {"scenes", scenes.empty() ? "none" : scenes},
+        {"samples per pixel of an iteration's image",
+         r.image_window == 0
+             ? fmt::format("{}, fresh", r.image_samples)
+             : fmt::format("{} fresh ones, and those of the last {} passes, shaded again",
+                           r.image_samples, 2 * r.image_window)},
+        {"samples per pixel of the target", fmt::format("{}", r.target_samples)},
+        {"samples per pixel of the converged derivative", fmt::format("{}", r.reference_samples)},
+        {"samples per pixel that evaluate a run", fmt::format("{}", r.evaluation_samples)},
+        {"iterations before a derivative is evaluated", fmt::format("{}", r.iterations)},
+        {"budget of an optimisation run",
+         fmt::format("{}, {:g} s of derivatives and {:g} s{}",
+                     count_text(static_cast<std::size_t>(r.budget.iterations), "iteration"),
+                     r.budget.derivative_seconds, r.budget.seconds,
+                     has_long(r.budget)
+                         ? fmt::format("; {} iterations of mc and of pgris with replay",
+                                       r.budget.long_iterations)
+                         : "")},
+        {"runs with seeds of their own behind an interval",
+         r.runs == 1 ? interval_text(r.runs) : fmt::format("{}", r.runs)},
+        {"seconds of a run over Adam's decay rates", fmt::format("{:g}", r.sweep_seconds)},
+        {"time scale", fmt::format("{:g}", time_scale)},
+        {"seed", fmt::format("{}", r.seed)},
+        {"threads", fmt::format("{}", machine.threads)},
+        {"processor", machine.processor}};
+}
 
 const char* name_of(Verdict verdict) {
     switch (verdict) {

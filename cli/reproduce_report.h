@@ -2,9 +2,11 @@
 #pragma once
 
 #include <string>
+#include <utility>
 #include <vector>
 
-#include "experiments/figure.h"
+#include "cli/reproduce_machine.h"
+#include "experiments/experiments.h"
 
 namespace burnish {
 
@@ -15,6 +17,12 @@ struct Reproduction {
     double seconds = 0;
     std::string stopped = {};  ///< how many parts are done of a run that was stopped; else empty
 };
+
+/// Reproduction::settings. scenes: their names, or empty where there are none.
+std::vector<std::pair<std::string, std::string>> settings_text(const ReproduceOptions& options,
+                                                               double time_scale,
+                                                               const Machine& machine,
+                                                               const std::string& scenes);
 
 /// The longest side of a picture in the report.
 inline constexpr int kPictureSide = 512;

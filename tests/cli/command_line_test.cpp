@@ -850,9 +850,13 @@ TEST_F(CommandLine, BadInvocationsSayWhatIsWrong) {
          "--only goblet/positivization: positivization takes no scene: `burnish reproduce "
          "positivization` makes it"},
         {"reproduce positivization --scene goblet -o r", 2,
-         "--scene and --scenes have no effect: the experiments that are named take no scene"},
+         "--scene has no effect: the experiments that are named take no scene"},
         {"reproduce positivization --scenes nowhere -o r", 2,
-         "--scene and --scenes have no effect: the experiments that are named take no scene"},
+         "--scenes has no effect: the experiments that are named take no scene"},
+        {"reproduce positivization --full -o r", 2,
+         "--full has no effect: the experiments that are named take no scene"},
+        {"reproduce positivization --size 24 24 --time-scale 2 --fresh-image -o r", 2,
+         "--size, --time-scale, --fresh-image have no effect: the experiments that are named take "},
         {"gradient scene.xml --parameter mat-panel --adjoint gray.exr -o g.exr", 65,
          "'mat-panel' is ambiguous, it matches: mat-panel.brdf_0.base_color.data, "
          "mat-panel.brdf_0.roughness.data"},

@@ -206,17 +206,24 @@ TEST(ReproductionReport, SaysWhetherTheRunWasStopped) {
 }
 
 TEST_F(Reproduce, AtThePapersSizeThereIsOneRun) {
-    const Outcome outcome = run("reproduce positivization -o r --full");
+    const Outcome outcome =
+        run("reproduce derivatives --scene goblet -o r --full --size 16 16 --time-scale 0.01");
     ASSERT_EQ(outcome.code, 0) << outcome.err;
     const auto settings =
         nlohmann::json::parse(read_text(folder / "r/results.json")).at("settings");
     EXPECT_EQ(settings.at("runs with seeds of their own behind an interval"),
               "one run, no interval");
-    EXPECT_EQ(settings.at("scenes"), "none");
     const std::string help =
         std::regex_replace(run("reproduce --help").out, std::regex("\\s+"), " ");
     EXPECT_TRUE(contains(help, "no interval and no verdict, but in adam and positivization"))
         << help;
+}
+
+TEST_F(Reproduce, AnExperimentWithoutScenesSaysSo) {
+    ASSERT_EQ(run("reproduce positivization -o r").code, 0);
+    const auto settings =
+        nlohmann::json::parse(read_text(folder / "r/results.json")).at("settings");
+    EXPECT_EQ(settings.at("scenes"), "none");
 }
 
 }  // namespace
