@@ -17,7 +17,7 @@ namespace {
 
 /// How many searches come before an iteration, that for the start aside.
 std::size_t searches_before(std::uint32_t iteration, const Options& options) {
-    const std::uint32_t every = options.search_again, first = every / 4 + (every % 4 > 0);
+    const std::uint32_t every = options.search_again, first = first_search(options);
     return every == 0 || iteration < first ? 0 : 1 + (iteration - first) / every;
 }
 
@@ -114,6 +114,11 @@ std::size_t take_textures(const Setup& setup, const SearchPlan& plan, std::size_
 }
 
 }  // namespace
+
+std::uint32_t first_search(const Options& options) {
+    const std::uint32_t every = options.search_again;
+    return every / 4 + (every % 4 > 0);
+}
 
 void keep_search(const Options& options, std::vector<GroupSums> sums, double effort,
                  State::Values& state) {

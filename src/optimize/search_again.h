@@ -11,6 +11,9 @@
 
 namespace burnish {
 
+/// The iterations before the first of the searches that Options::search_again asks for.
+std::uint32_t first_search(const Options& options);
+
 /// What a search for the start leaves for those that follow; to be called once, before the first
 /// iteration. sums: of all of its groups.
 void keep_search(const Options& options, std::vector<GroupSums> sums, double effort,

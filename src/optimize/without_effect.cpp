@@ -10,7 +10,9 @@
 #include "core/variant.h"
 #include "gradient/estimator.h"
 #include "gradient/path_cache/path_cache.h"
+#include "optimize/search_again.h"
 #include "optimize/search_plan.h"
+#include "texture/prolongation.h"
 
 namespace burnish {
 
@@ -31,23 +33,52 @@ std::string samples_without_effect(const Estimator& estimator) {
                        cache.samples);
 }
 
-/// A texture of one texel has one level, which does not decay.
+/// Levels of a texture, of which the coarsest is one texel.
+int most_levels(const Bitmap& bitmap) {
+    int levels = 1;
+    for (int side = std::max(bitmap.width, bitmap.height); side > 1; side = half(side)) ++levels;
+    return levels;
+}
+
+/// More levels than the textures have; those of one texel have one, which does not decay.
 std::vector<std::string> levels_without_effect(const Options& options, const Scene& scene,
                                                std::span<const TextureId> unknowns) {
-    const auto is_one_texel = [&](TextureId id) {
-        const auto& bitmap = std::get<Bitmap>(scene[id]);
-        return bitmap.width == 1 && bitmap.height == 1;
-    };
     std::vector<std::string> sentences;
-    if (options.parameterization != Parameterization::kPyramid ||
-        !std::ranges::all_of(unknowns, is_one_texel))
+    if (options.parameterization != Parameterization::kPyramid || unknowns.empty())
         return sentences;
+    int most = 1;
+    for (const TextureId id : unknowns)
+        most = std::max(most, most_levels(std::get<Bitmap>(scene[id])));
+    const int levels = options.pyramid.levels;
+    if (most > 1) {
+        if (levels > most && levels != Pyramid{}.levels)
+            sentences.push_back(
+                fmt::format("pyramid.levels has no effect above {}, where a texel is the whole "
+                            "texture: found {}",
+                            most, levels));
+        return sentences;
+    }
     const auto say = [&](const char* name) {
         sentences.push_back(fmt::format("{} has no effect: every unknown is one texel", name));
     };
-    if (options.pyramid.levels != Pyramid{}.levels) say("pyramid.levels");
+    if (levels != Pyramid{}.levels) say("pyramid.levels");
     if (options.pyramid.weight_decay != Pyramid{}.weight_decay) say("pyramid.weight_decay");
     return sentences;
+}
+
+/// Searches that no unknown has, or that the run ends before; empty: some come.
+std::string searches_without_effect(const Options& options, const Scene& scene,
+                                    const UnknownTextures& unknowns) {
+    if (options.search_again == 0) return {};
+    if (!may_search_again(scene, unknowns.searched))
+        return "search_again has no effect: it needs a texture, not a constant, whose start is "
+               "searched and whose material has no colour or constant that is searched";
+    const std::uint32_t first = first_search(options), last = effective_stop(options).iterations;
+    if (last > first) return {};
+    return fmt::format(
+        "search_again has no effect in {} iteration{}: the first search comes after "
+        "{}, a quarter of {}",
+        last, last == 1 ? "" : "s", first, options.search_again);
 }
 
 }  // namespace
@@ -56,12 +87,9 @@ std::vector<std::string> options_without_effect(const Options& options, const Sc
                                                 const UnknownTextures& unknowns,
                                                 std::size_t fitted) {
     std::vector<std::string> sentences = levels_without_effect(options, scene, unknowns.all);
-    if (std::string text = samples_without_effect(options.estimator); !text.empty())
-        sentences.push_back(std::move(text));
-    if (options.search_again > 0 && !may_search_again(scene, unknowns.searched))
-        sentences.push_back(
-            "search_again has no effect: it needs a texture, not a constant, whose start is "
-            "searched and whose material has no colour or constant that is searched");
+    for (const std::string& text : {samples_without_effect(options.estimator),
+                                    searches_without_effect(options, scene, unknowns)})
+        if (!text.empty()) sentences.push_back(text);
     if (options.batch > 1 && options.batch > fitted)
         sentences.push_back(fmt::format(
             "batch has no effect above {}, the number of views that are fitted: found {}", fitted,

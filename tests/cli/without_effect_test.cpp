@@ -14,7 +14,7 @@ TEST_F(WithoutEffect, IsWarnedOf) {
     write_text(folder / "capture.json", R"({"version": 1, "scene": "scene.xml",
         "views": [{"camera": {"sensor": 0}, "image": "target.exr"}]})");
     const std::string command =
-        "optimize capture.json --iterations 1 --spp 1 --evaluation-spp 2 --set search_again=8 "
+        "optimize capture.json --iterations 3 --spp 1 --evaluation-spp 2 --set search_again=8 "
         "--parameter roughness ";
     const Outcome all =
         run(command + "--parameter base_color --target-spp 16 --set batch=3 -o all");
@@ -44,6 +44,13 @@ TEST_F(WithoutEffect, IsWarnedOf) {
     const std::size_t once = compared.err.find("batch has no effect");
     EXPECT_NE(once, std::string::npos) << compared.err;
     EXPECT_EQ(once, compared.err.rfind("batch has no effect")) << "of both runs";
+
+    const Outcome never = run(samples + "--set search_again=8 --set pyramid.levels=30 -o never");
+    EXPECT_TRUE(contains(never.err,
+                         "search_again has no effect in 1 iteration: the first search "
+                         "comes after 2, a quarter of 8"))
+        << never.err;
+    EXPECT_TRUE(contains(never.err, "pyramid.levels has no effect above 4, ")) << never.err;
 
     const Outcome none = run(command + "-o none");
     ASSERT_EQ(none.code, 0) << none.err;

@@ -120,6 +120,46 @@ TEST(Setup, APyramidOfOneTexelHasOneLevel) {
     EXPECT_TRUE(options_without_effect(options, scene, {{texture}, {}}, 1).empty());
 }
 
+TEST(Setup, LevelsThatTexturesDoNotHaveHaveNoEffect) {
+    Scene scene = test::make_small_scene();
+    const TextureId texture = scene.parameters[0].texture;
+    auto& bitmap = std::get<Bitmap>(scene[texture]);
+    bitmap.width = 64, bitmap.height = 33;
+    Options options;
+    const auto found = [&](int levels) {
+        options.pyramid.levels = levels;
+        return options_without_effect(options, scene, {{texture}, {}}, 1);
+    };
+    ASSERT_EQ(found(30).size(), 1u);
+    EXPECT_EQ(found(30)[0],
+              "pyramid.levels has no effect above 7, where a texel is the whole texture: found 30");
+    EXPECT_EQ(make_maps(30, 64, 33, {}, false).sizes.size(), 7u);
+    EXPECT_TRUE(found(7).empty());
+    bitmap.width = bitmap.height = 2;
+    EXPECT_TRUE(found(Pyramid{}.levels).empty()) << "which nobody asked for";
+}
+
+TEST(Setup, SearchesThatARunEndsBeforeHaveNoEffect) {
+    const Scene scene = test::make_small_scene();
+    const TextureId texture = scene.parameters[1].texture;
+    Options options;
+    options.search_again = 1000;
+    const auto found = [&](std::uint32_t iterations) {
+        options.stop.iterations = iterations;
+        return options_without_effect(options, scene, {{texture}, {texture}}, 1);
+    };
+    ASSERT_EQ(found(250).size(), 1u);
+    EXPECT_EQ(found(250)[0],
+              "search_again has no effect in 250 iterations: the first search comes after 250, a "
+              "quarter of 1000");
+    EXPECT_TRUE(found(251).empty());
+    options.stop = {};
+    EXPECT_EQ(options_without_effect(options, scene, {{texture}, {texture}}, 1).size(), 1u)
+        << "200 iterations";
+    options.stop.seconds = 1;
+    EXPECT_TRUE(options_without_effect(options, scene, {{texture}, {texture}}, 1).empty());
+}
+
 /// Expects that a change of a good problem is refused.
 template <class Change>
 void expect_refused(const char* what, const Change& change) {
