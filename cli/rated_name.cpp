@@ -16,6 +16,10 @@ bool ends_in_rate(const std::string& text) {
 RatedName split_rate(const Scene& scene, const std::string& text) {
     const std::size_t at = text.rfind('@');
     if (at == std::string::npos || means_input(scene, text)) return {text, 0};
+    if (at == 0)
+        throw UsageError(
+            fmt::format("--parameter: found no name before the @, expected one before the rate {}",
+                        text.substr(1)));
     const std::optional<double> rate = parse_number(text.substr(at + 1));
     if (!rate || !(*rate > 0))
         throw UsageError(

@@ -9,7 +9,7 @@ namespace burnish {
 
 /// "NAME@0.005": a name with a learning rate of its own; 0 where there is none. A name that holds
 /// an @ itself is taken as it is where a bitmap or a constant of the scene is called so. Throws
-/// UsageError: what follows the last @ is not a positive number.
+/// UsageError: nothing is before the last @, or what follows it is not a positive number.
 struct RatedName {
     std::string name;
     double learning_rate = 0;

@@ -105,10 +105,12 @@ void replace_textures(Scene& scene, const std::vector<std::string>& assignments)
         if (value.empty())
             throw UsageError("--texture: " + name + ": " + complaint_of_empty(value));
         const Parameter p = scene.parameters[require_parameter(scene, name)];
-        if (const auto same = std::ranges::find(replaced, p.texture); same != replaced.end())
-            throw UsageError(fmt::format("--texture: '{}' and '{}' are one texture",
-                                         names[static_cast<std::size_t>(same - replaced.begin())],
-                                         name));
+        if (const auto same = std::ranges::find(replaced, p.texture); same != replaced.end()) {
+            const std::string& other = names[static_cast<std::size_t>(same - replaced.begin())];
+            throw UsageError(other == name ? fmt::format("--texture: '{}' is given twice", name)
+                                           : fmt::format("--texture: '{}' and '{}' are one texture",
+                                                         other, name));
+        }
         names.push_back(name), replaced.push_back(p.texture);
         auto& bitmap = std::get<Bitmap>(scene[p.texture]);
         const Image texels = read_texels(bitmap, value, "the texture for " + p.name);

@@ -60,20 +60,18 @@ std::size_t distance_to(const std::string& typed, const std::string& full) {
     return nearest;
 }
 
-/// The names within a third of the typed length of the nearest one, nearest first; all where none
+/// The names within a third of the typed length of the nearest one, nearest first; none where none
 /// is near.
-std::vector<std::string> nearest_names(const std::vector<Parameter>& parameters,
-                                       const std::string& typed) {
+std::vector<std::string> near_names(const std::vector<Parameter>& parameters,
+                                    const std::string& typed) {
     std::vector<std::pair<std::size_t, std::string>> ranked;
     for (const Parameter& p : parameters) ranked.emplace_back(distance_to(typed, p.name), p.name);
     std::stable_sort(ranked.begin(), ranked.end(),
                      [](const auto& a, const auto& b) { return a.first < b.first; });
     const std::size_t near = std::max<std::size_t>(2, typed.size() / 3);
-    const bool any_near = ranked.front().first <= near;
     std::vector<std::string> names;
     for (const auto& [distance, name] : ranked)
-        if (!any_near || distance <= std::min(near, ranked.front().first + 1))
-            names.push_back(name);
+        if (distance <= std::min(near, ranked.front().first + 1)) names.push_back(name);
     return names;
 }
 
@@ -83,8 +81,12 @@ std::vector<std::string> nearest_names(const std::vector<Parameter>& parameters,
             fmt::format("no parameter is called '{}': the scene has no bitmap texture "
                         "that a BSDF reads",
                         name));
-    throw InputError(fmt::format("no parameter is called '{}', did you mean: {}", name,
-                                 list_of(nearest_names(parameters, name))));
+    std::vector<std::string> names = near_names(parameters, name);
+    const char* what = names.empty() ? "expected one of" : "did you mean:";
+    if (names.empty())
+        for (const Parameter& p : parameters) names.push_back(p.name);
+    throw InputError(
+        fmt::format("no parameter is called '{}', {} {}", name, what, list_of(std::move(names))));
 }
 
 }  // namespace
@@ -132,8 +134,10 @@ void require_distinct(const std::vector<std::string>& names,
     for (std::size_t i = 0; i < names.size(); ++i)
         for (std::size_t k = 0; k < i; ++k)
             if (textures[k] == textures[i])
-                throw InputError(
-                    fmt::format("the parameters {} and {} are one texture", names[k], names[i]));
+                throw InputError(names[k] == names[i]
+                                     ? fmt::format("the parameter {} is given twice", names[i])
+                                     : fmt::format("the parameters {} and {} are one texture",
+                                                   names[k], names[i]));
 }
 
 std::size_t edit_distance(const std::string& a, const std::string& b) {

@@ -20,8 +20,8 @@ NameMatch match_name(const std::string& text, const std::string& full_name);
 
 /// The parameter that a name means: its index in `parameters`. Those that it names best count; of
 /// several with one full name the first is meant, and several that share one texture are no
-/// ambiguity. Throws InputError: the name is unknown (says the nearest ones) or ambiguous (says all
-/// matches).
+/// ambiguity. Throws InputError: the name is unknown (says the near ones, or all) or ambiguous
+/// (says all matches).
 std::size_t find_parameter(const std::vector<Parameter>& parameters, const std::string& name);
 
 /// Throws InputError where two of the names mean one texture; names both. textures: what the names

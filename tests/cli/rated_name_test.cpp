@@ -23,7 +23,7 @@ TEST(RatedName, RatesFollowTheLastAt) {
         EXPECT_EQ(split_rate(odd, name).name, name);
         EXPECT_EQ(split_rate(odd, std::string(name) + "@0.5").learning_rate, 0.5) << name;
     }
-    for (const char* bad : {"roughness@", "roughness@-1", "roughness@0", "roughness@fast"})
+    for (const char* bad : {"roughness@", "roughness@-1", "roughness@0", "roughness@fast", "@0.1"})
         EXPECT_THROW(split_rate(scene, bad), UsageError) << bad;
 }
 

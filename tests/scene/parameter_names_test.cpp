@@ -99,6 +99,7 @@ TEST(ParameterNames, NamesThatAreNearlyAsNearAreListedBehindTheNearest) {
 
 TEST(ParameterNames, NamesFarFromAllListAll) {
     const std::string error = error_of("xyzzyxyzzy");
+    EXPECT_EQ(error.find("no parameter is called 'xyzzyxyzzy', expected one of mat-"), 0u) << error;
     for (const Parameter& p : kParameters) EXPECT_NE(error.find(p.name), std::string::npos);
 }
 
@@ -125,6 +126,10 @@ TEST(ParameterNames, TwoOfOneTextureAreBothNamed) {
     } catch (const InputError& error) {
         EXPECT_STREQ(error.what(), "the parameters a and c are one texture");
     }
+    EXPECT_EQ(test::error_of([] {
+                  require_distinct({"a", "a"}, {{0}, {0}});
+              }),
+              "the parameter a is given twice");
 }
 
 }  // namespace
