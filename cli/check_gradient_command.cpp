@@ -93,7 +93,8 @@ void run(const CheckGradientCommandOptions& options) {
     }
     const std::string table = table_of(checks, names);
     if (any_is(checks, Agreement::kDisagree)) {
-        std::fputs(table.c_str(), stdout);  // one that does not arrive hides nothing
+        std::fputs(table.c_str(), stdout);
+        std::fflush(stdout);  // a table that does not arrive hides nothing
         throw std::runtime_error(
             "the derivative disagrees with finite differences: of a right one this happens once in "
             "10,000 comparisons; try another --seed, and report the scene where it stays");

@@ -30,7 +30,7 @@ bool is_of_thread(const std::exception& error) {
 }  // namespace
 
 void print(const std::string& text) {
-    if (std::fputs(text.c_str(), stdout) == EOF)
+    if (std::fputs(text.c_str(), stdout) == EOF || std::fflush(stdout) != 0)
         throw UnprintedLine(errno, std::generic_category());
 }
 

@@ -27,7 +27,7 @@ struct UnprintedLine : std::system_error {
     using std::system_error::system_error;
 };
 
-/// Prints on standard output. Throws UnprintedLine.
+/// Prints on standard output, before all that is said later. Throws UnprintedLine.
 void print(const std::string& text);
 
 /// Of the exception that is being handled.

@@ -328,6 +328,8 @@ TEST_F(CommandLine, CheckGradientSaysWhetherDerivativesAgree) {
     EXPECT_FALSE(contains(agreed.out, "DISAGREE")) << agreed.out;
     const std::string of_roughness = "check-gradient scene.xml --parameter roughness --spp ";
     EXPECT_TRUE(contains(run(of_roughness + "32").out, "too noisy to tell"));
+    const std::string both = shell("('" BURNISH_BINARY "' " + of_roughness + "32 2>&1)").out;
+    EXPECT_LT(both.find("finite differences"), both.find("too noisy to tell: raise --spp")) << both;
     EXPECT_EQ(run(of_roughness + "33").out, run(of_roughness + "64").out) << "none is left out";
 }
 
