@@ -67,6 +67,7 @@ bool any_is(const std::vector<GradientCheck>& checks, Agreement agreement) {
 }
 
 void run(const CheckGradientCommandOptions& options) {
+    log_without_history(options.check.estimator);
     const ThreadLimit threads(options.scene.threads);
     LoadedScene loaded = load_scene_with_progress(options.scene);
     replace_textures(loaded.scene, options.textures);

@@ -1,7 +1,5 @@
 // burnish gradient: d(sum(A image)) / d(texture) for an adjoint image A, at the scene's own
 // textures or those that --texture puts in their place.
-//
-// One call has no iteration before it: gris and pgris are ris and pris here.
 
 #include <fmt/format.h>
 
@@ -91,9 +89,7 @@ void run(const GradientCommandOptions& options) {
         throw UsageError(
             fmt::format("-o: expected a file name that ends in .exr, found '{}'", options.output));
     require_writable(options.output);
-    if (const auto* r = std::get_if<Reservoirs>(&options.estimator); r && r->reuse)
-        log_info(fmt::format("note: one call has no iteration before it: {} is {} here",
-                             name_of(options.estimator), r->positivization ? "pris" : "ris"));
+    log_without_history(options.estimator);
     const ThreadLimit threads(options.scene.threads);
     LoadedScene loaded = load_scene_with_progress(options.scene);
     replace_textures(loaded.scene, options.textures);

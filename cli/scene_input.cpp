@@ -38,6 +38,13 @@ std::pair<std::string, std::string> split_texture(const Scene& scene, const std:
 
 }  // namespace
 
+void log_without_history(const Estimator& estimator) {
+    const auto* reservoirs = std::get_if<Reservoirs>(&estimator);
+    if (!reservoirs || !reservoirs->reuse) return;
+    log_info(fmt::format("note: one call has no iteration before it: {} is {} here",
+                         name_of(estimator), reservoirs->positivization ? "pris" : "ris"));
+}
+
 void log_first(const std::vector<std::string>& sentences, void (*log_one)(const std::string&),
                const std::string& where) {
     for (std::size_t i = 0; i < std::min(sentences.size(), kMaxListed); ++i) log_one(sentences[i]);

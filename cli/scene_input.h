@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "burnish/options.h"
 #include "captures/capture.h"
 #include "mitsuba/load.h"
 #include "render/render.h"
@@ -47,6 +48,10 @@ void add_texture_option(CLI::App& app, std::vector<std::string>& textures);
 /// Puts the named values or images in the place of the textures of parameters. Throws UsageError
 /// and InputError.
 void replace_textures(Scene& scene, const std::vector<std::string>& assignments);
+
+/// Says what an estimator that reuses reservoirs is in a single call, which has no iteration before
+/// it.
+void log_without_history(const Estimator& estimator);
 
 /// The first few of some sentences, and where the others are.
 void log_first(const std::vector<std::string>& sentences, void (*log_one)(const std::string&),

@@ -313,9 +313,8 @@ TEST_F(CommandLine, ATextureIsReplacedOnce) {
     write_scene();
     const std::string command = "render scene.xml --spp 1 -o a.exr --texture roughness=0.5 ";
     expect_refused(command + "--texture roughness=0.7", 2, "--texture: 'roughness' is given twice");
-    expect_refused(
-        command + "--texture mat-panel.brdf_0.roughness.data=0.7", 2,
-        "--texture: 'roughness' and 'mat-panel.brdf_0.roughness.data' are one texture");
+    expect_refused(command + "--texture mat-panel.brdf_0.roughness.data=0.7", 2,
+                   "--texture: 'roughness' and 'mat-panel.brdf_0.roughness.data' are one texture");
 }
 
 TEST_F(CommandLine, CheckGradientSaysWhetherDerivativesAgree) {
@@ -331,6 +330,12 @@ TEST_F(CommandLine, CheckGradientSaysWhetherDerivativesAgree) {
     const std::string both = shell("('" BURNISH_BINARY "' " + of_roughness + "32 2>&1)").out;
     EXPECT_LT(both.find("finite differences"), both.find("too noisy to tell: raise --spp")) << both;
     EXPECT_EQ(run(of_roughness + "33").out, run(of_roughness + "64").out) << "none is left out";
+    const Outcome reused = run(of_roughness + "32 --estimator pgris"),
+                  fresh = run(of_roughness + "32 --estimator pris");
+    const std::string note = "note: one call has no iteration before it: pgris is pris here";
+    EXPECT_TRUE(contains(reused.err, note)) << reused.err;
+    EXPECT_FALSE(contains(fresh.err, "note: ")) << fresh.err;
+    EXPECT_EQ(reused.out, fresh.out);
 }
 
 /// Samples of a delta lobe are no records: what looks at derivatives must see that they lack.
@@ -858,7 +863,8 @@ TEST_F(CommandLine, BadInvocationsSayWhatIsWrong) {
         {"reproduce positivization --full -o r", 2,
          "--full has no effect: the experiments that are named take no scene"},
         {"reproduce positivization --size 24 24 --time-scale 2 --fresh-image -o r", 2,
-         "--size, --time-scale, --fresh-image have no effect: the experiments that are named take "},
+         "--size, --time-scale, --fresh-image have no effect: the experiments that are named "
+         "take "},
         {"gradient scene.xml --parameter mat-panel --adjoint gray.exr -o g.exr", 65,
          "'mat-panel' is ambiguous, it matches: mat-panel.brdf_0.base_color.data, "
          "mat-panel.brdf_0.roughness.data"},
