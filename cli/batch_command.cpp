@@ -102,6 +102,8 @@ void run_batch(const BatchOptions& options, const Ranks& ranks) {
     require_same_jobs(all, options.slice, ranks);
     const std::size_t count = all.size();
     const std::vector<BatchJob> part = slice_of(std::move(all), slice);
+    if (part.empty())
+        log_info(fmt::format("{}, none in the part {}", count_text(count, "job"), options.slice));
     ExitCode first = kDone;
     std::size_t failed = 0;
     int output_error = 0;  // of the first line that did not arrive: the jobs go on
