@@ -9,6 +9,8 @@
 #include <exception>
 #include <iostream>
 
+#include "iterations.h"
+
 namespace {
 
 /// Of the mean of (I - G)^2.
@@ -42,7 +44,7 @@ int main(int argc, char** argv) try {
     const burnish::Renderer renderer = burnish::Renderer::load(argv[1]);
     const burnish::Image target = burnish::read_image(argv[2]);
     const std::string parameter = argv[3];
-    const unsigned long iterations = argc > 5 ? std::stoul(argv[5]) : 50;
+    const std::uint32_t iterations = argc > 5 ? iterations_of(argv[5]) : 50;
 
     burnish::Image texture = renderer.texture(parameter);
     std::fill(texture.values.begin(), texture.values.end(), 0.5f);

@@ -8,6 +8,8 @@
 #include <exception>
 #include <iostream>
 
+#include "iterations.h"
+
 namespace {
 
 /// Two images of one size, side by side.
@@ -26,7 +28,7 @@ burnish::Image beside(const burnish::Image& left, const burnish::Image& right) {
 int main(int argc, char** argv) try {
     if (argc < 5) throw burnish::InputError("expected SCENE PICTURE PARAMETER LIVE");
     const burnish::Image target = burnish::read_image(argv[2]);
-    const unsigned long iterations = argc > 5 ? std::stoul(argv[5]) : 200;
+    const std::uint32_t iterations = argc > 5 ? iterations_of(argv[5]) : 200;
 
     burnish::Solver solver(
         {burnish::Renderer::load(argv[1]), {{.image = target}}, {{.name = argv[3]}}}, {});

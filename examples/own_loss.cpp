@@ -7,9 +7,12 @@
 // more samples an iteration's image has, the less.
 #include <burnish/burnish.h>
 
+#include <algorithm>
 #include <cmath>
 #include <exception>
 #include <iostream>
+
+#include "iterations.h"
 
 namespace {
 
@@ -39,7 +42,7 @@ int main(int argc, char** argv) try {
         .unknowns = {{.name = argv[3]}},
         .loss = [&](const burnish::Image& image, std::size_t) { return log_loss(image, target); }};
     burnish::Options options;
-    options.stop.iterations = argc > 5 ? static_cast<std::uint32_t>(std::stoul(argv[5])) : 200;
+    options.stop.iterations = argc > 5 ? iterations_of(argv[5]) : 200;
     options.evaluation_samples = 64;
     // How much noise adds to this loss is not known: as many samples before and after.
     const double before = burnish::Solver(problem, options).evaluate(64).loss;

@@ -8,6 +8,8 @@
 #include <exception>
 #include <iostream>
 
+#include "iterations.h"
+
 int main(int argc, char** argv) try {
     if (argc < 5) throw burnish::InputError("expected SCENE PICTURE PARAMETER TEXTURE");
 
@@ -15,7 +17,7 @@ int main(int argc, char** argv) try {
     const burnish::Problem problem{
         renderer, {{.image = burnish::read_image(argv[2])}}, {{.name = argv[3], .start = 0.5f}}};
     burnish::Options options;  // the path cache, Adam on a pyramid of the texture
-    options.stop.iterations = argc > 5 ? static_cast<std::uint32_t>(std::stoul(argv[5])) : 200;
+    options.stop.iterations = argc > 5 ? iterations_of(argv[5]) : 200;
 
     const burnish::Summary summary = burnish::solve(problem, options);
 

@@ -180,6 +180,11 @@ for example in recover_texture own_loss live_picture gradient_only; do
         fail "$example: a picture of another size is accepted"
     fi
     grep -qF "the film's size" "$tree/log.txt" || fail "$example: the error does not name the size: $(cat "$tree/log.txt")"
+    for count in many 0 -3 5x; do
+        "$tree/examples/$example" "$tree/goblet/scene.xml" "$tree/target.exr" "$parameter" "$tree/x.exr" $count >"$tree/log.txt" 2>&1 || true
+        grep -qxF "ITERATIONS: expected a whole number from 1 to 4294967295, found '$count'" "$tree/log.txt" ||
+            fail "$example with $count iterations: $(cat "$tree/log.txt")"
+    done
 done
 if "$tree/examples/recover_texture" "$tree/missing.xml" a b c >"$tree/log.txt" 2>&1; then fail "a missing scene is accepted"; fi
 grep -qF "$tree/missing.xml" "$tree/log.txt" || fail "the error does not name the file: $(cat "$tree/log.txt")"
