@@ -10,6 +10,7 @@
 #include "captures/pictures.h"
 #include "captures/views.h"
 #include "core/at_place.h"
+#include "core/count_of.h"
 #include "core/variant.h"
 #include "optimize/views.h"
 #include "python/arrays.h"
@@ -129,7 +130,8 @@ void bind_captures(nb::module_& m) {
         .def(
             "__repr__",
             [](const PythonCapture& c) {
-                return to_text(fmt::format("Capture('{}', {} views)", c.scene, c.views.size()));
+                return to_text(
+                    fmt::format("Capture('{}', {})", c.scene, count_of(c.views.size(), "view")));
             },
             nb::sig("def __repr__(self) -> str"));
     m.def(

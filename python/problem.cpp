@@ -6,6 +6,7 @@
 #include <nanobind/stl/variant.h>
 
 #include "burnish/error.h"
+#include "core/count_of.h"
 #include "core/parallel.h"
 #include "core/variant.h"
 #include "optimize/ranks.h"
@@ -300,8 +301,8 @@ void bind_problem(nb::module_& m) {
                     "burnish._ranks.Ranks | None = None) -> None"))
         .def_prop_ro("renderer", [](const PythonProblem& p) { return p.problem.renderer; })
         .def("__repr__", [](const PythonProblem& p) {
-            return fmt::format("Problem({} views, {} unknowns)", p.problem.views.size(),
-                               p.problem.unknowns.size());
+            return fmt::format("Problem({}, {})", count_of(p.problem.views.size(), "view"),
+                               count_of(p.problem.unknowns.size(), "unknown"));
         });
 }
 

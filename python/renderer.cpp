@@ -12,6 +12,7 @@
 
 #include "burnish/error.h"
 #include "burnish/gradient.h"
+#include "core/count_of.h"
 #include "gradient/theta.h"
 #include "image/image.h"
 #include "optimize/option_value.h"
@@ -302,8 +303,8 @@ void bind_renderer(nb::module_& m) {
         "__deepcopy__", [](nb::handle self, nb::handle) { return nb::borrow(self); },
         nb::arg("memo"), nb::sig("def __deepcopy__(self, memo: object) -> Renderer"));
     c.def("__repr__", [](const Renderer& r) {
-        return fmt::format("Renderer({} x {} pixels, {} parameters)", r.width(), r.height(),
-                           r.parameters().size());
+        return fmt::format("Renderer({} x {} pixels, {})", r.width(), r.height(),
+                           count_of(r.parameters().size(), "parameter"));
     });
     m.def("load", load, nb::arg("path"), nb::kw_only(), nb::arg("size") = nb::none(),
           nb::arg("light_selection") = "resampled",

@@ -8,6 +8,7 @@
 
 #include <limits>
 
+#include "core/count_of.h"
 #include "image/files.h"
 #include "optimize/state.h"
 #include "python/arrays.h"
@@ -155,7 +156,7 @@ void bind_state(nb::module_& m) {
              [](State& self, const nb::bytes& b) { new (&self) State(from_bytes(b)); })
         .def(nb::self == nb::self, nb::sig("def __eq__(self, other: object, /) -> bool"))
         .def("__repr__", [](const State& s) {
-            return fmt::format("State({} iterations)", s.values().iteration);
+            return fmt::format("State({})", count_of(s.values().iteration, "iteration"));
         });
 }
 
@@ -247,9 +248,9 @@ void bind_summary(nb::module_& m) {
         "state", [](const PythonSummary& s) { return s.values.state; },
         "From which the run can go on.");
     c.def("__repr__", [](const PythonSummary& s) {
-        return fmt::format("Summary(loss {:f} -> {:f}, {} iterations, {:f} seconds)",
-                           loss_of(s.values.start), loss_of(s.values.result),
-                           s.values.counts.iterations, s.values.seconds);
+        return fmt::format("Summary(loss {:f} -> {:f}, {}, {:f} seconds)", loss_of(s.values.start),
+                           loss_of(s.values.result),
+                           count_of(s.values.counts.iterations, "iteration"), s.values.seconds);
     });
 }
 

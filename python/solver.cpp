@@ -5,6 +5,7 @@
 #include <nanobind/stl/string.h>
 
 #include "burnish/error.h"
+#include "core/count_of.h"
 #include "python/arrays.h"
 #include "python/bindings.h"
 #include "python/options.h"
@@ -247,7 +248,8 @@ void bind_steps(nb::module_& m) {
         [](PythonSolver& s) { return work<State>(s, [](const Solver& x) { return x.state(); }); },
         "A copy of all that survives an iteration.");
     c.def("__repr__", [](const PythonSolver& s) {
-        return fmt::format("Solver({} unknowns, {} views)", s.names.size(), s.views);
+        return fmt::format("Solver({}, {})", count_of(s.names.size(), "unknown"),
+                           count_of(s.views, "view"));
     });
     bind_textures(c);
 }

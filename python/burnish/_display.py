@@ -90,11 +90,15 @@ def show(images: npt.ArrayLike | Mapping[str, npt.ArrayLike]) -> Shown:
     return Shown(shown)
 
 
+def _iterations(count: int) -> str:
+    return f"{count} iteration{'' if count == 1 else 's'}"
+
+
 def _solver_html(solver: Solver) -> str:
     images: dict[str, Any] = dict(solver.textures)
     if (image := solver.image()) is not None:
         images["image"] = image
-    return f"<p>{solver.iterations} iterations</p>" + "".join(_figure(n, i) for n, i in images.items())
+    return f"<p>{_iterations(solver.iterations)}</p>" + "".join(_figure(n, i) for n, i in images.items())
 
 
 def _summary_html(summary: Summary) -> str:
@@ -104,7 +108,7 @@ def _summary_html(summary: Summary) -> str:
         figures.append(_figure(name, texture))
         if (confidence := summary.confidence[name]) is not None:
             figures.append(_figure("its confidence", confidence))
-    text = (f"loss {summary.initial_loss:.4g} &rarr; {summary.loss:.4g} in {summary.iteration_count} iterations, "
+    text = (f"loss {summary.initial_loss:.4g} &rarr; {summary.loss:.4g} in {_iterations(summary.iteration_count)}, "
             f"{summary.seconds:.1f} s")
     return f"<p>{text}</p>" + "".join(figures) + _curve([i.loss for i in summary.iterations])
 

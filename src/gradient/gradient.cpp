@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "burnish/error.h"
+#include "core/count_of.h"
 #include "core/require.h"
 #include "gradient/mean_gradient.h"
 #include "image/image.h"
@@ -57,7 +58,7 @@ std::vector<Image> estimate_gradient(const Renderer& renderer,
     require(adjoint.width == renderer.width() && adjoint.height == renderer.height() &&
                 adjoint.channels == 3,
             "the adjoint image has " + size_text(adjoint.width, adjoint.height) + " pixels and " +
-                std::to_string(adjoint.channels) + " channels: expected " +
+                count_of(adjoint.channels, "channel") + ": expected " +
                 size_text(renderer.width(), renderer.height()) + " and 3");
     require_whole(adjoint, "the adjoint image");
     require_finite(adjoint, "the adjoint image");

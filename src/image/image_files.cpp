@@ -5,6 +5,7 @@
 #include <string_view>
 
 #include "burnish/error.h"
+#include "core/count_of.h"
 #include "image/files.h"
 #include "image/formats.h"
 #include "image/image.h"
@@ -22,10 +23,11 @@ void check_size(const std::string& name, const char* format, long long width, lo
     if (width > kMaxImageSide || height > kMaxImageSide ||
         static_cast<std::size_t>(width * height) * static_cast<std::size_t>(channels) >
             kMaxImageValues)
-        throw InputError(fmt::format(
-            "{}: {} file of {} x {} pixels with {} channels, expected at most {} pixels a "
-            "side and {} values",
-            name, format, width, height, channels, kMaxImageSide, kMaxImageValues));
+        throw InputError(
+            fmt::format("{}: {} file of {} x {} pixels with {}, expected at most {} pixels a "
+                        "side and {} values",
+                        name, format, width, height, count_of(channels, "channel"), kMaxImageSide,
+                        kMaxImageValues));
 }
 
 void fail(const std::string& name, const char* format, const std::string& what) {
@@ -96,11 +98,11 @@ void check_writable(const std::filesystem::path& file, const Image& image) {
             file.string(), image.width, image.height, image.channels, image.values.size(),
             takes_alpha ? ", or 2 or 4 with alpha" : ""));
     if (!is_side(image.width) || !is_side(image.height) || count > kMaxImageValues)
-        throw InputError(fmt::format(
-            "{}: cannot write an image of {} x {} pixels with {} channels, expected at most {} "
-            "pixels a side and {} values",
-            file.string(), image.width, image.height, image.channels, kMaxImageSide,
-            kMaxImageValues));
+        throw InputError(
+            fmt::format("{}: cannot write an image of {} x {} pixels with {}, expected at most {} "
+                        "pixels a side and {} values",
+                        file.string(), image.width, image.height,
+                        count_of(image.channels, "channel"), kMaxImageSide, kMaxImageValues));
 }
 
 /// A format of pictures that is not read, told by the first bytes; null: none that is known.

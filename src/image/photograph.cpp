@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "burnish/error.h"
+#include "core/count_of.h"
 #include "core/variant.h"
 #include "image/image.h"
 #include "image/quality.h"
@@ -103,10 +104,10 @@ namespace {
 void require_size_of(const Image& picture, const char* what, const Image& part, int channels) {
     if (part.width != picture.width || part.height != picture.height ||
         (part.channels != 1 && part.channels != channels))
-        throw InputError(fmt::format(
-            "{} has {} x {} pixels and {} channels: expected {} of the picture's size, {} x {}",
-            what, part.width, part.height, part.channels, channels == 1 ? "one" : "one or three",
-            picture.width, picture.height));
+        throw InputError(
+            fmt::format("{} has {} x {} pixels and {}: expected {} of the picture's size, {} x {}",
+                        what, part.width, part.height, count_of(part.channels, "channel"),
+                        channels == 1 ? "one" : "one or three", picture.width, picture.height));
 }
 
 }  // namespace

@@ -7,6 +7,7 @@
 #include <utility>
 #include <variant>
 
+#include "core/count_of.h"
 #include "core/variant.h"
 #include "gradient/estimator.h"
 #include "gradient/path_cache/path_cache.h"
@@ -76,9 +77,8 @@ std::string searches_without_effect(const Options& options, const Scene& scene,
     const std::uint32_t first = first_search(options), last = effective_stop(options).iterations;
     if (last > first) return {};
     return fmt::format(
-        "search_again has no effect in {} iteration{}: the first search comes after "
-        "{}, a quarter of {}",
-        last, last == 1 ? "" : "s", first, options.search_again);
+        "search_again has no effect in {}: the first search comes after {}, a quarter of {}",
+        count_of(last, "iteration"), first, options.search_again);
 }
 
 }  // namespace

@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "burnish/error.h"
+#include "core/count_of.h"
 #include "core/require.h"
 #include "image/image.h"
 #include "image/whole.h"
@@ -69,7 +70,7 @@ Image texels_of(const Bitmap& bitmap, const std::string& parameter, const Image&
         (image.channels == 1 || image.channels == 3))
         return with_channels(image, bitmap.channels);
     const auto text = [](int width, int height, int channels) {
-        return size_text(width, height) + " texels of " + std::to_string(channels) + " channels";
+        return size_text(width, height) + " texels of " + count_of(channels, "channel");
     };
     throw InputError(parameter + ": found " + text(image.width, image.height, image.channels) +
                      ", expected " + text(bitmap.width, bitmap.height, bitmap.channels));

@@ -7,6 +7,7 @@
 #include <tuple>
 
 #include "burnish/error.h"
+#include "core/count_of.h"
 #include "core/parsed.h"
 #include "image/image.h"
 #include "scene/parameter_names.h"
@@ -89,9 +90,9 @@ std::size_t free_constant(Scene& scene, const ConstantParameter& constant, const
     const auto texels =
         static_cast<std::size_t>(bitmap.width) * static_cast<std::size_t>(bitmap.height);
     if (texels * static_cast<std::size_t>(bitmap.channels) > kMaxImageValues)
-        throw InputError(
-            fmt::format("{}: found {} x {} texels of {} channels, expected at most {} values",
-                        sized.name, bitmap.width, bitmap.height, bitmap.channels, kMaxImageValues));
+        throw InputError(fmt::format("{}: found {} x {} texels of {}, expected at most {} values",
+                                     sized.name, bitmap.width, bitmap.height,
+                                     count_of(bitmap.channels, "channel"), kMaxImageValues));
     for (const ConstantParameter& c : all)
         if (!is_one) require_coordinates(scene, c);
     if (is_one) bitmap.filter = TextureFilter::kNearest;

@@ -175,7 +175,7 @@ TEST_F(Batch, SlicesShareOutTheJobs) {
     EXPECT_FALSE(contains(second.out, "out/a")) << second.out;
     const Outcome none = run("batch jobs.json --slice 7/9");
     EXPECT_EQ(none.code, 0) << "a part without jobs is done";
-    EXPECT_TRUE(contains(none.err, " jobs, none in the part 7/9\n")) << none.err;
+    EXPECT_TRUE(contains(none.err, "3 jobs, none in the part 7/9\n")) << none.err;
     for (const char* bad : {"2/2", "1", "/2", "1/", "-1/2", "1/2x", "0/0"})
         expect_refused(std::string("batch jobs.json --slice=") + bad, 2,
                        "expected I/N with I from 0 to N - 1");

@@ -93,7 +93,7 @@ def test_texts(problem):
     assert repr(burnish.Lens("fisheye", [0.5])) == "Lens('fisheye', (0.5, 0.0, 0.0, 0.0))"
     solver = burnish.Solver(problem)
     solver.step()
-    assert repr(solver.state) == "State(1 iterations)"
+    assert repr(solver.state) == "State(1 iteration)"
 
 
 def test_environments_share_an_image():
