@@ -130,7 +130,7 @@ void add_batch_command(CLI::App& app, const Ranks& ranks) {
     auto options = std::make_shared<BatchOptions>();
     CLI::App* command = app.add_subcommand(
         "batch", "Runs a list of optimisations: skips what is done, goes on with what was stopped");
-    add_text(*command, "jobs", options->file, "FILE", "A list of jobs as JSON")->required();
+    add_text(*command, "jobs", options->file, "JOBS.json", "A list of jobs as JSON")->required();
     command->add_option("--slice", options->slice, "One of N parts of the list, I from 0 to N - 1")
         ->type_name("I/N")
         ->capture_default_str();

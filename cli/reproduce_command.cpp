@@ -43,7 +43,7 @@ struct CommandLine {
 
 constexpr std::uint32_t kFreshImageSamples = 32;  ///< of an iteration's image [PR sec. 5]
 
-/// The published scenes with the paper's settings, and the project's own.
+/// The published scenes with the paper's settings, and the built-in ones.
 struct KnownScene {
     const char* name;
     bool own;
@@ -202,6 +202,8 @@ void check_parts(const CommandLine& line) {
     };
     for (const std::string& part : line.only) {
         const auto [scene, experiment] = split_part(part);
+        if (scene.empty() || experiment.empty())
+            throw UsageError(fmt::format("--only {}: expected SCENE/NAME, as tire/inverse", part));
         check_names("scene", {scene}, std::span<const KnownScene>(kScenes));
         check_names("experiment", {experiment}, experiments());
         if (std::ranges::find(experiments(), experiment, &Experiment::name)->max_scenes == 0)
@@ -278,7 +280,8 @@ void add_reproduce_command(CLI::App& app) {
         ->add_option("names", options->names,
                      "Of experiments: " + joined(experiments(), &Experiment::name) + "; else all")
         ->type_name("NAME");
-    add_text(*command, "-o,--output", options->output, "DIR", "Folder of the report")->required();
+    add_text(*command, "-o,--output", options->output, "DIR", "The folder of the report")
+        ->required();
     add_text(*command, "--scenes", options->scenes, "DIR",
              "Folder of the published scenes: chalice, tire and ashtray");
     command->add_option("--scene", options->scene_names, "Only these scenes; repeatable")
@@ -309,8 +312,8 @@ void add_reproduce_command(CLI::App& app) {
                       "samples are shaded again otherwise");
     add_number(*command, "--seed", options->seed, "S", "Random numbers",
                find_setting("seed").info.range);
-    add_number(*command, "--threads", options->threads, "T", "0: all cores",
-               find_setting("run.threads").info.range);
+    const OptionInfo& threads = find_setting("run.threads").info;
+    add_number(*command, "--threads", options->threads, "T", threads.sentence, threads.range);
     command->add_flag("--force", options->force, "Write into a folder that holds other things");
     command->callback([options, command] { reproduce(*options, *command); });
 }

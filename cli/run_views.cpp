@@ -39,6 +39,7 @@ std::vector<CapturedView> views_of_sensors(const RunSettings& run) {
         view.name = run.sensors[i];
         view.camera = Sensor{run.sensors[i]};
         views.push_back({view, run.targets.empty() ? "" : run.targets[i], run.mask});
+        views.back().places.camera = "--sensor";
     }
     return views;
 }
@@ -139,9 +140,11 @@ void require_sensor_and_emitters(const Renderer& renderer, const CapturedView& v
 
 void size_cameras(const RunSettings& run, const Renderer& renderer,
                   const std::vector<Photograph>& photographs, std::vector<CapturedView>& views) {
-    for (std::size_t i = 0; i < views.size(); ++i)
+    for (std::size_t i = 0; i < views.size(); ++i) {
+        require_sensor_and_emitters(renderer, views[i]);
         views[i].view.camera = naming_unplaced(
             views, i, [&] { return camera_for(run, views[i], photographs[i], renderer); });
+    }
 }
 
 std::vector<Renderer> make_captured_views(const Problem& problem,

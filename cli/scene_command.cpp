@@ -39,7 +39,9 @@ void add_scene_command(CLI::App& app) {
     auto options = std::make_shared<WriteOptions>();
     CLI::App* command =
         app.add_subcommand("scene", "Writes a built-in scene as a Mitsuba 3 scene folder");
-    command->add_option("name", options->name, "The scene: " + known_scenes())->required();
+    command->add_option("name", options->name, "The scene: " + known_scenes())
+        ->type_name("NAME")
+        ->required();
     add_text(*command, "-o,--output", options->output, "DIR",
              "The folder; files in it are replaced")
         ->required();

@@ -53,7 +53,8 @@ void log_first(const std::vector<std::string>& sentences, void (*log_one)(const 
 }
 
 void add_scene_options(CLI::App& app, SceneOptions& options) {
-    add_text(app, "scene", options.file, "FILE", "The scene, a Mitsuba 3 XML file")->required();
+    add_text(app, "scene", options.file, "SCENE.xml", "The scene, a Mitsuba 3 XML file")
+        ->required();
     app.add_option("-D", options.definitions, sentence("scene.definitions"))
         ->type_name("NAME=VALUE")
         ->allow_extra_args(false)
@@ -187,7 +188,8 @@ Renderer make_renderer_with_progress(LoadedScene loaded, LightSelection selectio
                                      const std::string& sensor) {
     const TickingLine line("building the ray structure");
     const Renderer renderer = make_renderer(std::move(loaded), selection);
-    return sensor.empty() ? renderer : renderer.with_camera(Sensor{sensor});
+    if (sensor.empty()) return renderer;
+    return at_place("--sensor", [&] { return renderer.with_camera(Sensor{sensor}); });
 }
 
 Image render_with_progress(const Renderer& renderer, RandomKey key, std::uint32_t samples_per_pixel,

@@ -225,6 +225,12 @@ std::string missing_for(const Given& given, const Settings& settings) {
         needs += needs.empty() ? "" : ", or ";
         needs += run ? run->needs : find_option(name)->condition.needs;
     }
+    const auto has_row_of = [&](const char* group) {
+        return std::ranges::any_of(given.names,
+                                   [&](const std::string& n) { return n.starts_with(group); });
+    };
+    if (has_row_of("monte_carlo.") && has_row_of("reservoirs."))
+        return "an estimator other than path_cache";
     return needs;
 }
 

@@ -3,7 +3,10 @@
 #include <fmt/format.h>
 
 #include <CLI/App.hpp>
+#include <algorithm>
+#include <string_view>
 
+#include "core/lower_case.h"
 #include "scene/parameter_names.h"
 
 namespace burnish {
@@ -72,6 +75,30 @@ std::string mismatch_text(const CLI::App& app, const std::string& text) {
                        option->get_type_name());
 }
 
+/// The first option that is missing, as the help names it, with what it is.
+std::string required_text(const CLI::App& app, const std::string& text) {
+    for (const CLI::Option* option : chosen(app).get_options()) {
+        if (!option->get_required() || option->count() > 0) continue;
+        std::string what = option->get_description();
+        what.resize(std::min(what.size(), what.find(';')));
+        if (what.size() > 1 && what[1] != ':') what[0] = lower_case(what[0]);
+        const bool has_flag = !option->get_lnames().empty();
+        return fmt::format("{}: expected {}",
+                           has_flag ? "--" + option->get_lnames().front() : option->get_type_name(),
+                           what);
+    }
+    return text;
+}
+
+/// Of an option that has an effect beside another one alone: "--images requires --views".
+std::string needs_text(const std::string& text) {
+    constexpr std::string_view kRequires = " requires ";
+    const std::size_t at = text.find(kRequires);
+    if (at == std::string::npos) return text;
+    return fmt::format("{} has no effect: it needs {}", text.substr(0, at),
+                       text.substr(at + kRequires.size()));
+}
+
 }  // namespace
 
 std::string command_path(const CLI::App& app) {
@@ -86,6 +113,8 @@ bool has_help_all(const CLI::App& app) {
 std::string usage_text(const CLI::App& app, const CLI::ParseError& error) {
     if (dynamic_cast<const CLI::ExtrasError*>(&error)) return unexpected_text(app);
     if (dynamic_cast<const CLI::ArgumentMismatch*>(&error)) return mismatch_text(app, error.what());
+    if (dynamic_cast<const CLI::RequiredError*>(&error)) return required_text(app, error.what());
+    if (dynamic_cast<const CLI::RequiresError*>(&error)) return needs_text(error.what());
     return error.what();
 }
 

@@ -54,7 +54,8 @@ Addresses addresses_of(const Address& address) {
 
 bool is_port(const std::string& text) {
     return !text.empty() && text.size() <= 5 &&
-           text.find_first_not_of("0123456789") == std::string::npos && std::stoi(text) <= 65535;
+           text.find_first_not_of("0123456789") == std::string::npos && std::stoi(text) >= 1 &&
+           std::stoi(text) <= 65535;
 }
 
 }  // namespace
@@ -70,7 +71,7 @@ Address parse_address(const std::string& text, const Address& missing) {
     if (address.host.empty()) address.host = missing.host;
     if (text.empty() || !is_port(address.port) ||
         address.host.find_first_of("[]/ ") != std::string::npos)
-        throw InputError("found '" + text + "', expected HOST:PORT");
+        throw InputError("found '" + text + "', expected HOST:PORT with a port from 1 to 65535");
     return address;
 }
 

@@ -22,6 +22,16 @@ namespace burnish {
 
 namespace {
 
+/// What names a sensor of a scene.
+std::string expected_sensor(const std::vector<SceneSensor>& sensors) {
+    std::vector<std::string> ids;
+    for (const SceneSensor& s : sensors) ids.push_back(s.id);
+    if (sensors.empty()) return "none";
+    const std::string numbers = std::to_string(sensors.back().number);
+    return list_of(std::move(ids)) + " or " +
+           (sensors.size() == 1 ? "the number " + numbers : "a number from 0 to " + numbers);
+}
+
 std::string list_or_none(const std::vector<std::string>& names) {
     return names.empty() ? "none" : list_of(names);
 }
@@ -33,10 +43,8 @@ const SceneSensor& find_sensor(const Scene& scene, const std::string& name) {
     if (const std::optional<std::size_t> number = parsed<std::size_t>(name))
         found = std::ranges::find(sensors, *number, &SceneSensor::number);
     if (found != sensors.end()) return *found;
-    std::vector<std::string> ids;
-    for (const SceneSensor& s : sensors) ids.push_back(s.id);
     throw InputError("there is no sensor '" + name + "' in the scene, expected " +
-                     list_or_none(ids) + ", or a number from 0");
+                     expected_sensor(sensors));
 }
 
 bool is_cropped(const Film& film) {

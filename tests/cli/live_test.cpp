@@ -43,9 +43,10 @@ TEST_F(LiveRun, GoesOnWithoutAViewerAndSaysSoOnce) {
 }
 
 TEST_F(LiveRun, AddressesAreChecked) {
-    for (const char* wrong : {"scene.xml", "a:b", "127.0.0.1"})
+    for (const char* wrong : {"scene.xml", "a:b", "127.0.0.1", "127.0.0.1:99999", "localhost:0"})
         expect_refused(std::string(kLiveRun) + "out --live " + wrong, 2,
-                       std::string("--live: found '") + wrong + "', expected HOST:PORT");
+                       std::string("--live: found '") + wrong +
+                           "', expected HOST:PORT with a port from 1 to 65535");
     expect_refused(std::string(kLiveRun) + "out --live ''", 2,
                    "--live: found an empty text, expected a value");
     // Alone it means the viewer of this machine; what is wrong here is another option.

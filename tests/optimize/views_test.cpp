@@ -549,7 +549,7 @@ TEST(Views, ThatDoNotFitAreNamed) {
     };
     refused("side: there is no sensor 'left'",
             [](Problem& p) { p.views[1].camera = Sensor{"left"}; });
-    refused("expected front, side, or a number",
+    refused("expected front, side or a number from 0 to 1",
             [](Problem& p) { p.views[1].camera = Sensor{"2"}; });
     refused("side: there is no emitter 'sun'",
             [](Problem& p) { p.views[1].lighting.emitters->push_back("sun"); });
