@@ -182,6 +182,10 @@ def test_options_that_the_scene_and_the_views_leave_without_effect_are_warned_of
         burnish.Solver(burnish.Problem(renderer, views, burnish.Unknown(NAME, 0.5)), batch=2)
     with pytest.warns(UserWarning, match="search_again has no effect: it needs a texture, not a constant, whose start is searched and whose"):
         burnish.Solver(burnish.Problem(renderer, target, [NAME, "mat-goblet.base_color"]), search_again=8)
+    with pytest.warns(UserWarning, match="search_again has no effect in 2 iterations: the first search comes after 2, a quarter of 8"):
+        burnish.Solver(burnish.Problem(renderer, target, NAME), search_again=8, iterations=2)
+    with pytest.warns(UserWarning, match="levels has no effect above .*: found 30"):
+        burnish.Solver(burnish.Problem(renderer, target, burnish.Unknown(NAME, 0.5)), pyramid_levels=30)
 
 
 def test_rates_of_an_unknown_out_of_range(renderer, target):
