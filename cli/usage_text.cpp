@@ -75,19 +75,21 @@ std::string mismatch_text(const CLI::App& app, const std::string& text) {
                        option->get_type_name());
 }
 
-/// The first option that is missing, as the help names it, with what it is.
+/// Of the first argument that is missing, otherwise of the first option: as the help names it, with
+/// what it is.
 std::string required_text(const CLI::App& app, const std::string& text) {
-    for (const CLI::Option* option : chosen(app).get_options()) {
-        if (!option->get_required() || option->count() > 0) continue;
-        std::string what = option->get_description();
-        what.resize(std::min(what.size(), what.find(';')));
-        if (what.size() > 1 && what[1] != ':') what[0] = lower_case(what[0]);
-        const bool has_flag = !option->get_lnames().empty();
-        return fmt::format("{}: expected {}",
-                           has_flag ? "--" + option->get_lnames().front() : option->get_type_name(),
-                           what);
-    }
-    return text;
+    const auto missing = chosen(app).get_options(
+        [](const CLI::Option* o) { return o->get_required() && o->count() == 0; });
+    if (missing.empty()) return text;
+    const auto has_flag = [](const CLI::Option* o) { return !o->get_lnames().empty(); };
+    const auto argument = std::ranges::find_if_not(missing, has_flag);
+    const CLI::Option* first = argument == missing.end() ? missing.front() : *argument;
+    std::string what = first->get_description();
+    what.resize(std::min(what.size(), what.find(';')));
+    if (what.size() > 1 && what[1] != ':') what[0] = lower_case(what[0]);
+    return fmt::format(
+        "{}: expected {}",
+        has_flag(first) ? "--" + first->get_lnames().front() : first->get_type_name(), what);
 }
 
 /// Of an option that has an effect beside another one alone: "--images requires --views".
