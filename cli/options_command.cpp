@@ -45,14 +45,19 @@ std::string group_of(const Setting& s) {
     return dot == std::string::npos ? "General" : "`" + name.substr(0, dot) + "`";
 }
 
+/// What its values are; empty of any text.
+std::string takes_text(const Setting& s) {
+    if (s.expected != "a text")
+        return fmt::format(" Takes {}{}{}.", s.is_pair ? "two values, each " : "", s.expected,
+                           *s.info.unit ? fmt::format(", in {}", s.info.unit) : "");
+    return s.placeholder == "TEXT" ? "" : fmt::format(" Takes `{}`.", s.placeholder);
+}
+
 std::string entry(const Setting& s) {
     std::string text = fmt::format("- **`{}`**", s.info.name);
     if (*s.info.flag) text += fmt::format(" (`{}`)", s.info.flag);
     text += fmt::format(": {}.", escaped(s.info.sentence));
-    if (s.expected != "a text")
-        text += fmt::format(" Takes {}{}", s.is_pair ? "two values, each " : "", s.expected);
-    if (s.expected != "a text" && *s.info.unit) text += fmt::format(", in {}", s.info.unit);
-    if (s.expected != "a text") text += ".";
+    text += takes_text(s);
     if (!s.default_value.empty()) text += fmt::format(" Default: `{}`.", s.default_value);
     if (!s.needs.empty()) text += fmt::format(" Needs {}.", s.needs);
     return wrap(text, kPageWidth) + "\n";
@@ -78,7 +83,7 @@ void add_options_command(CLI::App& app) {
     CLI::App* command = app.add_subcommand("options", "Prints the options of optimize");
     command->group("");
     auto markdown = std::make_shared<bool>(false);
-    command->add_flag("--markdown", *markdown, "As a page of the reference")->required();
+    command->add_flag("--markdown", *markdown, "A page of the reference")->required();
     command->callback([markdown] { print_markdown(); });
 }
 

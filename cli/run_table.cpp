@@ -22,7 +22,8 @@ bool compares(const RunSettings& s) { return s.compare.has_value(); }
 
 constexpr RunRow kTable[] = {
     {.info = {.name = "scene.file",
-              .sentence = "A Mitsuba 3 XML file, or a capture.json; without one a built-in demo",
+              .sentence =
+                  "A Mitsuba 3 XML file, or a capture.json; without one the built-in goblet",
               .unit = "FILE",
               .unset = "none"},
      .field = &RunSettings::scene},
@@ -161,7 +162,7 @@ constexpr RunRow kTable[] = {
     {.info = {.name = "run.threads",
               .flag = "--threads",
               .level = kBasic,
-              .sentence = "0: all cores",
+              .sentence = "Number of threads; 0: all cores",
               .range = {0, 4096, true}},
      .field = &RunSettings::threads,
      .recorded = false},
