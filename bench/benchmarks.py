@@ -5,7 +5,7 @@
     bench/benchmarks.py -o FOLDER --seconds 60 --scenes tire tyre
     bench/benchmarks.py -o FOLDER --quick                  two scenes of 32 x 32, 1 s for each run: does it work?
 
-Writes FOLDER/benchmarks.md and FOLDER/benchmarks.json with commit, machine and date. The project's own scenes (goblet,
+Writes FOLDER/benchmarks.md and FOLDER/benchmarks.json with commit, machine and date. The built-in scenes (goblet,
 tyre, bowl, tree) are made on the way; the published ones (tire, ashtray, chalice) run where the environment variable
 BURNISH_PAPER_DIR names the folder that holds scenes/paper/NAME/scene.xml. Burnish is built into build/bench.
 

@@ -2,7 +2,7 @@
 """Captures to test with: pictures of the seven scenes by Mitsuba 3, so that the renderer that is inverted did not make
 them.
 
-    bench/captures.py -o FOLDER                          the project's own scenes: goblet, tyre, bowl, tree
+    bench/captures.py -o FOLDER                          the built-in scenes: goblet, tyre, bowl, tree
     bench/captures.py -o FOLDER --scenes DIR             the published ones, too: DIR/NAME/scene.xml
     bench/captures.py -o FOLDER --only bowl --size 32 --texture-size 64 --train 4 --test 2 --spp 4096
 
@@ -86,7 +86,7 @@ def arguments_of() -> argparse.Namespace:
     parser.add_argument("--spp", type=int, default=512, help="in passes of 16")
     parser.add_argument("--train", type=int, default=8, help="views, at least 2")
     parser.add_argument("--test", type=int, default=4, help="views under the sky of the scene")
-    parser.add_argument("--texture-size", type=int, default=2048, help="of the project's own scenes")
+    parser.add_argument("--texture-size", type=int, default=2048, help="of the built-in scenes")
     parser.add_argument("--burnish", type=Path, default=ROOT / "build/release/burnish", help="the program")
     arguments = parser.parse_args()
     if arguments.train < 2:

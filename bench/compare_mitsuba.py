@@ -5,7 +5,7 @@
     bench/compare_mitsuba.py SCENES_DIR --runs 6               also derivative error and loss at equal time
     bench/compare_mitsuba.py SCENES_DIR --runs 6 --estimators pgris:identity pgris:replay mc
 
-SCENES_DIR holds NAME/scene.xml of the published scenes; the project's own (goblet, tyre, bowl, tree) are made on the
+SCENES_DIR holds NAME/scene.xml of the published scenes; the built-in ones (goblet, tyre, bowl, tree) are made on the
 way. Mitsuba comes from PyPI into its own virtual environment (build/mitsuba) on the first run; Burnish is built into
 build/bench.
 

@@ -99,7 +99,7 @@ def make_unless_there(file, record, made_of, make):
 class Comparison:
     """One scene, in a folder of its own."""
 
-    texture_size = 2048  # of the project's own scenes
+    texture_size = 2048  # of the built-in scenes
     target_spp = 512
 
     def __init__(self, name, arguments, folder, python, binaries=BUILD):

@@ -339,7 +339,7 @@ void add_info_command(CLI::App& app) {
     auto options = std::make_shared<InfoOptions>();
     CLI::App* command =
         app.add_subcommand("info", "Says what a scene holds and what looks wrong in it");
-    command->add_flag("--json", options->json, "For machines");
+    command->add_flag("--json", options->json, "Writes JSON");
     add_scene_options(*command, options->scene);
     command->get_option("scene")->description("A Mitsuba 3 XML file, or a capture.json");
     add_views_options(*command, options->views, options->images);

@@ -68,7 +68,8 @@ void add_new_command(CLI::App& app) {
              "The mesh, with texture coordinates: OBJ, PLY or GLB")
         ->required();
     add_text(*command, "--environment", options->scene.environment, "FILE",
-             "Radiance from all directions, longitude and latitude: HDR, EXR or PFM (default: 1)");
+             "Radiance from all directions, longitude and latitude: HDR, EXR or PFM [1 from "
+             "everywhere]");
     add_views_options(*command, options->views, options->images);
     add_text(*command, "-o,--output", options->output, "DIR", "The folder; a new or an empty one")
         ->required();

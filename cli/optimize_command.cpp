@@ -10,7 +10,8 @@ namespace burnish {
 void add_optimize_command(CLI::App& app, const Ranks& ranks) {
     auto arguments = std::make_shared<OptimizeArguments>();
     CLI::App* command = app.add_subcommand(
-        "optimize", "Recovers textures from an image; without a scene, those of a built-in demo");
+        "optimize",
+        "Recovers textures from an image; without a scene, those of the built-in goblet");
     add_optimize_options(*command, *arguments);
     command->callback([arguments, &ranks] {
         if (arguments->resume.empty())

@@ -21,7 +21,7 @@ namespace burnish {
 
 namespace {
 
-// What the built-in demo uses where nothing else is asked for: about half a minute on two cores.
+// What the built-in goblet gets where nothing else is asked for: about half a minute on two cores.
 // Its texture has about as many texels as the picture has pixels.
 const Given kDemo[] = {
     {"", {"problem.parameters"}, {"mat-goblet.roughness"}},

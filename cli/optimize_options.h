@@ -1,5 +1,5 @@
 // The options of `burnish optimize`, made from the tables of settings: parsing, what the built-in
-// demo sets, and what goes together.
+// goblet sets, and what goes together.
 #pragma once
 
 #include "cli/settings.h"

@@ -15,7 +15,7 @@ namespace burnish {
 
 struct KnownTarget {
     TargetSource source;        ///< of an own scene without its file
-    bool own = false;           ///< one of the project's own, which the program makes
+    bool own = false;           ///< a built-in scene, which the program makes
     nlohmann::json files = {};  ///< all that the scene may read, see files_of; none of an own one
 };
 

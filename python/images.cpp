@@ -108,8 +108,8 @@ void bind_images(nb::module_& m) {
         nb::arg("name"), nb::arg("folder"), nb::arg("texture_size") = 512,
         nb::sig("def write_scene(name: str, folder: str | os.PathLike[str], texture_size: int = "
                 "512) -> None"),
-        "Writes a scene of the project's own, 'goblet', 'tyre', 'bowl' or 'tree', as a folder with "
-        "a Mitsuba scene.xml.");
+        "Writes a built-in scene, 'goblet', 'tyre', 'bowl' or 'tree', as a folder with a Mitsuba "
+        "scene.xml.");
 }
 
 }  // namespace burnish::python

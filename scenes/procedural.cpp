@@ -40,7 +40,7 @@ void write_procedural_scene(const std::string& name, const std::filesystem::path
                             const ProceduralOptions& options) {
     if (options.texture_size < 16 || options.texture_size > 8192) {
         throw InputError(
-            fmt::format("the texture size of a procedural scene is {}, expected 16 to 8192",
+            fmt::format("the texture size of a built-in scene is {}, expected 16 to 8192",
                         options.texture_size));
     }
     for (const Entry& entry : kEntries) {
@@ -50,7 +50,7 @@ void write_procedural_scene(const std::string& name, const std::filesystem::path
         write_bytes(folder / "LICENSE", kLicence);
         return;
     }
-    throw InputError(fmt::format("no procedural scene is called '{}', {}", name,
+    throw InputError(fmt::format("no built-in scene is called '{}', {}", name,
                                  expected_name(name, procedural_scene_names())));
 }
 

@@ -93,12 +93,12 @@ std::string message_of(const std::string& name, const fs::path& folder,
 TEST(Goblet, SaysWhatIsWrong) {
     const TemporaryFolder folder;
     EXPECT_EQ(message_of("cup", folder.path, {}),
-              "no procedural scene is called 'cup', expected one of goblet, tyre, bowl, tree");
+              "no built-in scene is called 'cup', expected one of goblet, tyre, bowl, tree");
     EXPECT_EQ(message_of("gobblet", folder.path, {}),
-              "no procedural scene is called 'gobblet', did you mean goblet? Expected one of "
+              "no built-in scene is called 'gobblet', did you mean goblet? Expected one of "
               "goblet, tyre, bowl, tree");
     EXPECT_EQ(message_of("goblet", folder.path, {9000, 1}),
-              "the texture size of a procedural scene is 9000, expected 16 to 8192");
+              "the texture size of a built-in scene is 9000, expected 16 to 8192");
     std::ofstream(folder.path / "file") << "not a folder";
     EXPECT_NE(message_of("goblet", folder.path / "file", {64, 1}).find("the folder cannot be made"),
               std::string::npos);
