@@ -65,10 +65,8 @@ struct Loader {
     std::size_t members = 0;  ///< shapes inside of others, read so far
     std::unordered_set<const Node*> shapes_read;
     bool is_read_again = false;  ///< the shape that is being read was read before
-    std::unordered_set<const Node*>
-        surfaces_read;                ///< bsdfs and emitters of shapes, also if left out
-    bool is_bsdf_read_again = false;  ///< that of the shape was read before
-    std::size_t read_again = 0;  ///< bytes of what several shapes hold, but for the first reading
+    std::unordered_set<const Node*> surfaces_read;  ///< bsdfs, emitters of shapes, also if left out
+    std::size_t read_again = 0;  ///< bytes of what several elements hold, but for the first reading
     double kept = 0;             ///< bytes of the meshes and images that were read
 };
 

@@ -225,8 +225,9 @@ MaterialId read_material(Loader& loader, const Node& node, const std::string& id
                                      "to several times counted each time, is not supported yet: "
                                      "expected fewer",
                                      kMaxBsdfs - 1));
-    constexpr std::size_t kMin = 2048;  // inputs have names
-    if (loader.is_bsdf_read_again) add_again(loader, node, kMin + size_of(node));
+    constexpr std::size_t kMin = 2048, kNames = 8;  // inputs have names that begin with the id
+    if (!loader.surfaces_read.insert(&node).second)
+        add_again(loader, node, kMin + size_of(node) + kNames * id.size());
     const std::string& type = attribute(node, "type");
     if (type == "twosided") return read_twosided(loader, node, id);
     if (type == "mask") return read_mask(loader, node, id);
@@ -241,7 +242,6 @@ MaterialId load_material(Loader& loader, const Node& node, const std::string& id
     if (const auto known = loader.materials.find(&node); known != loader.materials.end())
         return known->second;
     loader.bsdfs_inside = 0;
-    loader.is_bsdf_read_again = !loader.surfaces_read.insert(&node).second;
     const MaterialId material = read_material(loader, node, id_or(node, id));
     loader.materials.emplace(&node, material);
     return material;

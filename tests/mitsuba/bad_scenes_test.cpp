@@ -687,6 +687,29 @@ TEST(BadSceneFiles, BsdfsThatAreReadAgainAndAgainAreRefused) {
             << error;
 }
 
+/// Each reads all below it anew, under names of its own.
+TEST(BadSceneFiles, ALargeBsdfThatManyOthersReferToIsRefused) {
+    const TemporaryFolder folder;
+    std::string large = "<bsdf type='diffuse' id='b0'/>";
+    for (int i = 1; i < 120; ++i)
+        large += "<bsdf type='blendbsdf' id='b" + std::to_string(i) +
+                 "'><float name='weight' value='0.5'/><ref id='b" + std::to_string(i - 1) +
+                 "'/><bsdf type='diffuse'/></bsdf>";
+    const auto error_with = [&](const std::string& bsdf, int masks) {
+        std::string text = "<emitter type='constant'/>" + bsdf;
+        for (int i = 0; i < masks; ++i)
+            text += "<bsdf type='mask' id='m" + std::to_string(i) + "'><ref id='b119'/></bsdf>";
+        return error_of(write_text(folder, "a.xml", "<scene version='3.0.0'>" + text + "</scene>"));
+    };
+    EXPECT_EQ(error_with(large, 100), "");
+    EXPECT_EQ(error_with("<bsdf type='diffuse' id='b119'/>", 20'000), "");
+    const std::clock_t begin = std::clock();
+    const std::string error = error_with(large, 20'000);
+    EXPECT_LT(std::clock() - begin, 20 * CLOCKS_PER_SEC);
+    EXPECT_NE(error.find(": the bsdf is read again for each that holds it"), std::string::npos)
+        << error;
+}
+
 TEST(BadSceneFiles, ALongEmitterThatIsReadAgainAndAgainIsRefused) {
     const TemporaryFolder folder;
     std::string text = "<emitter type='area' id='e'>\n<string name='none' value='" +
