@@ -7,6 +7,7 @@
 #include <map>
 #include <set>
 #include <string_view>
+#include <unordered_set>
 #include <utility>
 
 #include "burnish/error.h"
@@ -261,6 +262,12 @@ void keep_source(Loader& loader) {
     if (loader.options.width > 0 && loader.options.height > 0) set_film_sizes(loader, source.root);
 }
 
+/// What several elements refer to is read, and warned of, for each of them.
+void drop_repeated(std::vector<std::string>& sentences) {
+    std::unordered_set<std::string> said;
+    std::erase_if(sentences, [&](const std::string& text) { return !said.insert(text).second; });
+}
+
 }  // namespace
 
 }  // namespace mitsuba
@@ -285,6 +292,8 @@ LoadedScene load_scene(const std::filesystem::path& file, const LoadOptions& opt
                     "the scene has no emitter: everything is black");
     collect_parameters(loader);
     keep_source(loader);
+    drop_repeated(loader.result.warnings);
+    drop_repeated(loader.result.notes);
     return std::move(loader.result);
 }
 

@@ -29,7 +29,7 @@ struct LoadOptions {
 
 struct LoadedScene {
     Scene scene;
-    std::vector<std::string> warnings;  ///< one sentence each, with file:line:column
+    std::vector<std::string> warnings;  ///< one sentence each, with file:line:column; all differ
     /// Defaults that were chosen (integrator, camera), said to the user.
     std::vector<std::string> notes;
     SceneSource source = {};  ///< empty for a scene that no file held

@@ -713,6 +713,24 @@ TEST(Kinds, UnsupportedThingsCanBeLeftOut) {
     }
 }
 
+TEST(Kinds, WhatSeveralShapesShowIsLeftOutWithOneWarning) {
+    const TemporaryFolder folder;
+    LoadOptions options;
+    options.ignore_unsupported = true;
+    std::string shapes;
+    for (int i = 0; i < 20; ++i) shapes += "<shape type='sphere'><ref id='h'/></shape>";
+    const LoadedScene loaded = load_text(
+        folder, kRest + kSky + "<bsdf type='mask' id='h'><bsdf type='hair'/></bsdf>" + shapes,
+        options);
+    EXPECT_EQ(loaded.scene.shapes.size(), 20u);
+    // Beside that of the element itself.
+    EXPECT_EQ(std::ranges::count_if(
+                  loaded.warnings,
+                  [](const std::string& text) { return text.ends_with("its shape is diffuse"); }),
+              1);
+    EXPECT_EQ(loaded.warnings.size(), 2u);
+}
+
 TEST(Kinds, UnsupportedColoursCanBeLeftOut) {
     const TemporaryFolder folder;
     LoadOptions options;
