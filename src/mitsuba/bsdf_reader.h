@@ -40,6 +40,7 @@ BsdfId load_bsdf(Loader& loader, const Node& node, const std::string& id);
 Conductor read_conductor(BsdfReader& reader);
 RoughConductor read_rough_conductor(BsdfReader& reader);
 Plastic read_plastic(BsdfReader& reader);
+/// Without its tables, which make_rough_plastics makes when all are read.
 RoughPlastic read_rough_plastic(BsdfReader& reader);
 Dielectric read_dielectric(BsdfReader& reader);
 Dielectric read_thin_dielectric(BsdfReader& reader);

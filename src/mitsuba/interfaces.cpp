@@ -1,6 +1,7 @@
 // BSDFs of smooth and rough interfaces: conductors, plastics and dielectrics.
 #include <fmt/format.h>
 
+#include "core/parallel.h"
 #include "core/positive_float.h"
 #include "mitsuba/bsdf_reader.h"
 #include "mitsuba/indices.h"
@@ -86,6 +87,15 @@ Plastic read_plastic(BsdfReader& reader) {
     return bsdf;
 }
 
+namespace {
+
+/// What its tables depend on.
+std::tuple<FacetShape, float, float> key_of(const RoughPlastic& plastic) {
+    return {plastic.shape, plastic.alpha, plastic.eta};
+}
+
+}  // namespace
+
 RoughPlastic read_rough_plastic(BsdfReader& reader) {
     RoughPlastic bsdf;
     read_plastic_inputs(reader, bsdf);
@@ -94,12 +104,29 @@ RoughPlastic read_rough_plastic(BsdfReader& reader) {
     if (!(bsdf.alpha >= 0 && bsdf.alpha <= 10))
         fail(reader.properties.node->place,
              fmt::format("\"alpha\" is {}, expected a number in [0, 10]", bsdf.alpha));
-    const auto [made, is_new] =
-        reader.loader.rough_plastics.try_emplace({bsdf.shape, bsdf.alpha, bsdf.eta});
-    if (is_new) made->second = make_rough_plastic(bsdf);
-    bsdf.transmittance = made->second.transmittance;
-    bsdf.internal_reflectance = made->second.internal_reflectance;
+    constexpr std::size_t kMax = 4096;
+    auto& plastics = reader.loader.rough_plastics;
+    plastics.emplace(key_of(bsdf), bsdf);
+    if (plastics.size() > kMax)
+        fail(reader.properties.node->place,
+             fmt::format("more than {} \"roughplastic\" differ in \"distribution\", \"alpha\" or "
+                         "indices, expected at most as many",
+                         kMax));
     return bsdf;
+}
+
+void make_rough_plastics(Loader& loader) {
+    std::vector<RoughPlastic*> plastics;
+    for (auto& [key, plastic] : loader.rough_plastics) plastics.push_back(&plastic);
+    parallel_for(plastics.size(),
+                 [&](std::size_t i) { *plastics[i] = make_rough_plastic(*plastics[i]); });
+    for (Bsdf& bsdf : loader.result.scene.bsdfs) {
+        RoughPlastic* plastic = std::get_if<RoughPlastic>(&bsdf);
+        if (!plastic) continue;
+        const RoughPlastic& made = loader.rough_plastics.at(key_of(*plastic));
+        plastic->transmittance = made.transmittance;
+        plastic->internal_reflectance = made.internal_reflectance;
+    }
 }
 
 namespace {

@@ -123,6 +123,7 @@ void load_objects(Loader& loader) {
     for (const Node* node : loader.children)
         read_or_leave_out(loader, "the scene goes on without it",
                           [&] { load_object(loader, *node, owned, materials); });
+    make_rough_plastics(loader);
 }
 
 /// The first sensor must be one that can be read; of the others those that can.

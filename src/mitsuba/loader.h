@@ -52,7 +52,7 @@ struct Loader {
     std::map<const Node*, OutsideValues> outside;  ///< of textures, until they are warned of
     std::map<const Node*, BsdfId> bsdfs;
     std::map<const Node*, MaterialId> materials;
-    /// By what their tables depend on, which take a while: shape, alpha, eta.
+    /// By what their tables depend on: shape, alpha, eta.
     std::map<std::tuple<FacetShape, float, float>, RoughPlastic> rough_plastics;
     std::vector<FoundParameter> parameters;
     std::vector<const Node*> children;  ///< of the scene, but those whose name a later one has, too
@@ -134,6 +134,8 @@ MaterialId load_material(Loader& loader, const Node& node, const std::string& id
 enum class TextureUse { kMaterial, kDiffTrans, kAny };
 /// Values of a material from 0 up to this are not warned of.
 inline float max_of(TextureUse use) { return use == TextureUse::kDiffTrans ? kMaxDiffTrans : 1.0f; }
+/// The tables of all `roughplastic`, which take some 20 ms for each that differs.
+void make_rough_plastics(Loader& loader);
 /// The texture of an element, built once. Values that it has beyond its use are warned of once.
 TextureId load_texture(Loader& loader, const Node& node, TextureUse use = TextureUse::kMaterial);
 /// texture: what messages call it. The values are finite and read times `scale`.

@@ -763,6 +763,20 @@ TEST(BadSceneFiles, ManyEqualRoughPlasticsAreReadSoon) {
     EXPECT_LT(std::clock() - begin, 10 * CLOCKS_PER_SEC);
 }
 
+TEST(BadSceneFiles, ManyDifferentRoughPlasticsAreRefusedSoon) {
+    const TemporaryFolder folder;
+    std::string text;
+    for (int i = 0; i < 4097; ++i)
+        text += "<bsdf type='roughplastic'><float name='alpha' value='0." + std::to_string(i) +
+                "1'/></bsdf>";
+    const auto file = write_text(folder, "a.xml", "<scene version='3.0.0'>" + text + "</scene>");
+    const std::clock_t begin = std::clock();
+    EXPECT_NE(error_of(file).find("more than 4096 \"roughplastic\" differ in \"distribution\""),
+              std::string::npos)
+        << error_of(file);
+    EXPECT_LT(std::clock() - begin, 10 * CLOCKS_PER_SEC);
+}
+
 TEST(BadSceneFiles, AFileThatIsMissingIsLookedForOnce) {
     const TemporaryFolder folder;
     const auto file = write_text(folder, "a.xml", "<scene version='3.0.0'/>");

@@ -4,6 +4,7 @@
 #include "error_of.h"
 #include "mitsuba/temporary_scene.h"
 #include "scene/constants.h"
+#include "shading/rough_plastic.h"
 
 namespace burnish {
 namespace {
@@ -105,6 +106,22 @@ TEST(InterfaceScenes, PlasticsWithTheirIndices) {
     EXPECT_EQ(rough.colors[1].constant, (Rgbf{0.4f, 0.5f, 0.6f}));
     EXPECT_GT(rough.transmittance.back(), 0.7f) << "made when read";
     EXPECT_GT(rough.internal_reflectance, 0.5f);
+}
+
+TEST(InterfaceScenes, RoughPlasticsHaveTheTablesOfTheirOwnRoughness) {
+    const TemporaryFolder folder;
+    std::string text;
+    for (const char* alpha : {"0.1", "0.3", "0.1", "0.05"})
+        text += std::string("<bsdf type='roughplastic'><float name='alpha' value='") + alpha +
+                "'/></bsdf>";
+    const Scene scene = load_text(folder, text).scene;
+    ASSERT_EQ(scene.bsdfs.size(), 4u);
+    for (const Bsdf& bsdf : scene.bsdfs) {
+        const auto& loaded = std::get<RoughPlastic>(bsdf);
+        const RoughPlastic made = make_rough_plastic(loaded);
+        EXPECT_EQ(loaded.transmittance, made.transmittance);
+        EXPECT_EQ(loaded.internal_reflectance, made.internal_reflectance);
+    }
 }
 
 TEST(InterfaceScenes, GlassPanesAndNothing) {
