@@ -40,14 +40,15 @@ struct Parser {
     std::uintmax_t included = 0;      ///< bytes so far
 };
 
-/// Offsets of the starts of lines -> places.
+/// Offsets of the starts of lines -> places. LF, CR or CR LF ends a line.
 struct Lines {
     std::string file;
     std::vector<std::size_t> starts{0};
 
     Lines(std::string name, const std::string& text) : file(std::move(name)) {
         for (std::size_t i = 0; i < text.size(); ++i)
-            if (text[i] == '\n') starts.push_back(i + 1);
+            if (text[i] == '\n' || (text[i] == '\r' && text.substr(i + 1, 1) != "\n"))
+                starts.push_back(i + 1);
     }
     Place at(std::size_t offset) const {
         const auto next = std::upper_bound(starts.begin(), starts.end(), offset);

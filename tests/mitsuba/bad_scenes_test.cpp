@@ -437,6 +437,17 @@ TEST(BadSceneFiles, NoSceneAtAll) {
               std::string::npos);
 }
 
+TEST(BadSceneFiles, LinesMayEndInAnyWay) {
+    const TemporaryFolder folder;
+    for (const std::string end : {"\n", "\r\n", "\r"}) {
+        const auto file =
+            write_text(folder, "a.xml",
+                       "<scene version='3.0.0'>" + end + end + " <shape type='blob'/></scene>");
+        EXPECT_NE(error_of(file).find("a.xml:3:2: unknown shape"), std::string::npos)
+            << error_of(file);
+    }
+}
+
 TEST(BadSceneFiles, TextsThatAreNotUtf8AreRefused) {
     const TemporaryFolder folder;
     const std::string sentence =
