@@ -69,12 +69,14 @@ void upgrade_gamma(Node& texture) {
                 child = make_value("boolean", "raw", "true", child.place);
 }
 
-/// The scale of a bump map is that of a texture around its own, which goes.
+/// The scale of a bump map is that of a texture around its own, or around a reference to that,
+/// which goes.
 void upgrade_bump_map(Node& bsdf) {
     for (Node& child : bsdf.children) {
         if (child.tag != "texture" || attribute(child, "type") != "scale") continue;
-        const auto inner = std::find_if(child.children.begin(), child.children.end(),
-                                        [](const Node& n) { return n.tag == "texture"; });
+        const auto inner =
+            std::find_if(child.children.begin(), child.children.end(),
+                         [](const Node& n) { return n.tag == "texture" || n.tag == "ref"; });
         if (inner == child.children.end()) return;
         Node texture = std::move(*inner);
         Node scale = make_value("float", "scale", take_value(child, "scale", "1"), child.place);

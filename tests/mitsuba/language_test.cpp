@@ -355,6 +355,36 @@ TEST(Language, OldNamesMeanTodays) {
     EXPECT_EQ(orange.z, 0.0f);
 }
 
+/// The texture itself, one that is referred to, and what they mean in the language of today.
+TEST(Language, TheScaleOfATextureInABumpMapIsThatOfTheMap) {
+    const TemporaryFolder folder;
+    write_image(folder.path / "t.png", make_image(2, 2, 1, 0.5f));
+    const auto texture = [](const std::string& attributes) {
+        return "<texture type='bitmap'" + attributes +
+               "><string name='filename' value='t.png'/><boolean name='raw' value='true'/>"
+               "</texture>";
+    };
+    const auto load = [&](const std::string& heights, const char* version) {
+        return load_old(folder,
+                        kLight + texture(" id='t'") + "<shape type='sphere'><bsdf type='bumpmap'>" +
+                            heights + "<bsdf type='diffuse'/></bsdf></shape>",
+                        version);
+    };
+    const std::string scale = "<float name='scale' value='2'/>", ref = "<ref id='t'/>";
+    const auto check = [](const LoadedScene& loaded, std::int32_t id) {
+        EXPECT_TRUE(loaded.warnings.empty()) << loaded.warnings[0];
+        const Scene& scene = loaded.scene;
+        const auto& map = scene[scene.shapes.at(0).material].normals;
+        ASSERT_TRUE(map);
+        EXPECT_EQ(map->height_scale, 2.0f);
+        EXPECT_EQ(map->texture.value, id);
+    };
+    for (const std::string& inside : {scale + ref, ref + scale})
+        check(load("<texture type='scale'>" + inside + "</texture>", "0.6.0"), 0);
+    check(load("<texture type='scale'>" + scale + texture("") + "</texture>", "0.6.0"), 1);
+    check(load(scale + ref, "3.0.0"), 0);
+}
+
 TEST(Language, TextBetweenElementsIsLeftOut) {
     const TemporaryFolder folder;
     const LoadedScene loaded = load_text(
