@@ -53,12 +53,14 @@ void upgrade_uv(Node& texture) {
 }
 
 /// "trilinear" and "ewa" look at more texels than one look-up; bilinear is what is left of them.
+/// Any of them may have capitals.
 void upgrade_filter(Node& texture) {
     for (Node& child : texture.children)
         if (attribute(child, "name") == "filter_type")
-            if (std::string* value = find_attribute(child, "value");
-                value && (*value == "trilinear" || *value == "ewa"))
-                *value = "bilinear";
+            if (std::string* value = find_attribute(child, "value")) {
+                *value = lower_case(*value);
+                if (*value == "trilinear" || *value == "ewa") *value = "bilinear";
+            }
 }
 
 /// Texels of gamma 1 are numbers. Any other gamma is left to be warned of.

@@ -355,6 +355,21 @@ TEST(Language, OldNamesMeanTodays) {
     EXPECT_EQ(orange.z, 0.0f);
 }
 
+TEST(Language, FiltersOfOldTexturesMayBeWrittenInCapitals) {
+    const TemporaryFolder folder;
+    write_image(folder.path / "t.png", make_image(2, 2, 3, 0.5f));
+    for (const std::string filter : {"EWA", "Trilinear", "bilinear", "Nearest"}) {
+        const LoadedScene loaded = load_old(
+            folder, kLight +
+                        "<texture type='bitmap' id='t'><string name='filename' value='t.png'/>"
+                        "<string name='filterType' value='" +
+                        filter + "'/></texture>");
+        EXPECT_EQ(std::get<Bitmap>(loaded.scene.textures.at(0)).filter,
+                  filter == "Nearest" ? TextureFilter::kNearest : TextureFilter::kBilinear)
+            << filter;
+    }
+}
+
 /// The texture itself, one that is referred to, and what they mean in the language of today.
 TEST(Language, TheScaleOfATextureInABumpMapIsThatOfTheMap) {
     const TemporaryFolder folder;
