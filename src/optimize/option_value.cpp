@@ -199,8 +199,13 @@ std::string from_text(const OptionInfo& info, const std::string& text, T& value)
             return {};
         }
         if (number && is_in(info.range, *number)) {
-            read_number(text, *number, value);
-            return {};
+            T read{};
+            read_number(text, *number, read);
+            // A float may be rounded down to the end that is left out.
+            if (!info.range.above_low || static_cast<double>(read) > info.range.low) {
+                value = read;
+                return {};
+            }
         }
     } else {
         if (choose(text, value)) return {};

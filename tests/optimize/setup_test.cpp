@@ -361,6 +361,20 @@ TEST(Setup, RangesHoldTheirBounds) {
     }
 }
 
+/// Above 0 as it is written, 0 as the float that it becomes.
+TEST(Setup, TextIsInTheRangeOfAnOptionAsItIsRead) {
+    const auto of_cap = [](const char* text) {
+        return complaint(*std::ranges::find_if(option_table(),
+                                               [](const OptionRow& row) {
+                                                   return row.info.name ==
+                                                          std::string("reservoirs.confidence_cap");
+                                               }),
+                         text);
+    };
+    EXPECT_EQ(of_cap("1e-60"), "expected a number above 0 and at most 1000000, found '1e-60'");
+    EXPECT_EQ(of_cap("1e-30"), "");
+}
+
 TEST(Setup, RefusesRatesOfUnknownsOutOfRange) {
     for (const double rate : {-1.0, 1e-46, 1e-36, 1e39, double{INFINITY}, double{NAN}})
         expect_refused("rate", [&](Problem& p, Options&) { p.unknowns[0].learning_rate = rate; });
