@@ -38,14 +38,14 @@ Image error_image(const Image& a, const Image& b, Error error) {
 
 }  // namespace
 
-float display_scale(const Image& image) {
+float display_scale(const Image& image, std::span<const char> counting) {
     Image brightest = make_image(image.width, image.height, 1);
     for (int y = 0; y < image.height; ++y)
         for (int x = 0; x < image.width; ++x)
             for (int c = 0; c < image.channels; ++c)
                 brightest.at(x, y, 0) = std::max(brightest.at(x, y, 0), image.at(x, y, c));
-    const float white = quantile(brightest, 0.99);
-    return white > 0 && std::isfinite(1 / white) ? 1 / white : 1;
+    const float scale = 1 / quantile(brightest, 0.99, counting);
+    return scale > 0 && std::isfinite(scale) ? scale : 1;
 }
 
 Image brightened(const Image& image, float scale) {

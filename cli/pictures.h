@@ -8,9 +8,9 @@
 
 namespace burnish {
 
-/// The factor that brings the 99th percentile of the channels' maximum to white. 1 for a black
-/// image.
-float display_scale(const Image& image);
+/// The factor that brings the 99th percentile of the channels' maximum to white. 1 where none does,
+/// as of a black image. counting: of each pixel; empty: all count.
+float display_scale(const Image& image, std::span<const char> counting = {});
 
 /// image * scale; what exceeds 1 is clipped when it is encoded.
 Image brightened(const Image& image, float scale);

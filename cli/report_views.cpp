@@ -83,7 +83,7 @@ std::string difference_key(float white, const std::string& to) {
 std::string single_view(const RunResult& run) {
     const Summary& s = run.result.summary;
     const View& view = run.views[0];
-    const float scale = display_scale(view.image);
+    const float scale = display_scale(view.image, counted_pixels(view.mask));
     const Image start = exposed_image(s.start.views[0]);
     const Image result = exposed_image(s.result.views[0]);
     const Image before = difference(s.start.views[0], view);
@@ -132,7 +132,7 @@ struct ViewPictures {
 ViewPictures pictures_of(const RunResult& run, std::size_t i, float white, int side) {
     const Image& picture = run.views[i].image;
     const ViewEvaluation& result = run.result.summary.result.views[i];
-    const float scale = display_scale(picture);
+    const float scale = display_scale(picture, counted_pixels(run.views[i].mask));
     return {shrink(brightened(picture, scale), side),
             shrink(brightened(exposed_image(result), scale), side),
             false_color(shrink(difference(result, run.views[i]), side), white)};

@@ -14,6 +14,7 @@
 #include "cli/help.h"
 #include "cli/pictures.h"
 #include "cli/progress.h"
+#include "image/quality.h"
 #include "optimize/option_value.h"
 
 namespace burnish {
@@ -159,6 +160,19 @@ TEST(Pictures, ExposureBringsTheBrightPartToWhite) {
     image.at(3, 3, 1) = 1000.0f;  // one bright pixel of a hundred does not darken the rest
     EXPECT_FLOAT_EQ(display_scale(image), 0.25f);
     EXPECT_FLOAT_EQ(display_scale(make_image(2, 2, 3)), 1.0f);
+    EXPECT_FLOAT_EQ(display_scale(make_image(2, 2, 3, INFINITY)), 1.0f);
+    EXPECT_FLOAT_EQ(display_scale(make_image(2, 2, 3, 1e-40f)), 1.0f);
+}
+
+TEST(Pictures, ExposureIsThatOfThePixelsThatCount) {
+    Image image = make_image(10, 10, 3, 4.0f), mask = make_image(10, 10, 1);
+    for (int y = 0; y < 10; ++y)
+        for (int x = 0; x < 5; ++x) {
+            mask.at(x, y, 0) = 1;
+            for (int c = 0; c < 3; ++c) image.at(5 + x, y, c) = 4000;
+        }
+    EXPECT_FLOAT_EQ(display_scale(image), 1 / 4000.0f);
+    EXPECT_FLOAT_EQ(display_scale(image, counted_pixels(mask)), 0.25f);
 }
 
 TEST(Pictures, RelativeErrorIsThatOfTheLoss) {
