@@ -160,7 +160,7 @@ struct Stop {
     /// Of Iteration::seconds, checked after each iteration.
     double seconds = std::numeric_limits<double>::infinity();
     /// Checks in a row, 20 iterations apart, that find the loss of held-out samples no lower than
-    /// before; 0: no checks.
+    /// before, in at most 16 of the views, spread evenly; 0: no checks.
     std::uint32_t patience = 0;
 
     friend bool operator==(const Stop&, const Stop&) = default;

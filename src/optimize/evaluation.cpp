@@ -9,6 +9,7 @@
 #include "image/quality.h"
 #include "optimize/batch.h"
 #include "optimize/ranks.h"
+#include "optimize/search_plan.h"
 #include "optimize/state_fields.h"
 #include "optimize/view_loss.h"
 #include "optimize/views.h"
@@ -156,10 +157,11 @@ Evaluation evaluate_result(const Setup& setup, const Theta& theta, std::uint32_t
 
 double check_loss(const Setup& setup, const Theta& theta) {
     constexpr std::uint32_t kSamples = 8;
-    std::vector<double> losses(setup.fitted.size());
+    const std::vector<std::size_t> checked = searched_views(setup.fitted.size());
+    std::vector<double> losses(checked.size());
     std::vector<int> owners;
     for (std::size_t i = 0; i < losses.size(); ++i) {
-        const std::size_t view = setup.fitted[i];
+        const std::size_t view = setup.fitted[checked[i]];
         owners.push_back(setup.owners[view]);
         if (!is_mine(setup, view)) continue;
         const auto image = [&](std::uint32_t half) {

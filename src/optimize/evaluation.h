@@ -48,7 +48,8 @@ Evaluation evaluate_result(const Setup& setup, const Theta& theta, std::uint32_t
                            const Progress& progress);
 
 /// The loss of textures without noise on average, with the same samples each time, so that most of
-/// their noise is no difference between two times.
+/// their noise is no difference between two times. Of many views it looks at those of
+/// searched_views.
 double check_loss(const Setup& setup, const Theta& theta);
 
 /// Of the start of so many views, per pixel, where it is known what noise adds to the loss: all

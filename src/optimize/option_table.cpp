@@ -253,7 +253,8 @@ constexpr OptionRow kTable[] = {
     {{.name = "stop.patience",
       .flag = "--patience",
       .level = kBasic,
-      .sentence = "Ends when N checks in a row, 20 iterations apart, found no lower loss",
+      .sentence =
+          "Ends when N checks in a row, 20 iterations apart, find no lower loss in up to 16 views",
       .range = {1, 1e6, true},
       .unset = "none"},
      of_part<&Options::stop, &Stop::patience>()},

@@ -5,9 +5,9 @@
 
 namespace burnish {
 
-/// A run searches no more of its views, spread evenly.
+/// A run searches no more of its views, spread evenly, and no more does patience check.
 inline constexpr std::size_t kMaxSearchViews = 16;
-/// Of `count` views those that a run searches.
+/// Of `count` views those that a run searches and checks.
 std::vector<std::size_t> searched_views(std::size_t count);
 
 /// A texture whose start is searched.

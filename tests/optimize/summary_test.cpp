@@ -179,6 +179,23 @@ TEST(Summary, SaysWhatEndedTheRun) {
     EXPECT_EQ(again.iterations.size(), 60u) << "patience counts from the state";
 }
 
+/// Of many views it renders some, spread evenly over those that are fitted.
+TEST(Summary, PatienceChecksSomeOfManyViews) {
+    Problem problem = sky_problem();
+    problem.views.resize(33, problem.views.front());
+    problem.views[0].held_out = true;
+    std::vector<std::size_t> checked;
+    problem.loss = [&](const Image& image, std::size_t view) {
+        checked.push_back(view);
+        return LossValue{static_cast<double>(view), make_image(image.width, image.height, 3)};
+    };
+    const auto setup = make_setup(problem, an_option_of_each()[0]);
+    EXPECT_DOUBLE_EQ(check_loss(setup, initial_theta(setup)), 16);
+    std::vector<std::size_t> expected;
+    for (std::size_t i = 0; i < 16; ++i) expected.push_back(1 + 2 * i);
+    EXPECT_EQ(checked, expected);
+}
+
 /// Of checks that find 5, 6, 4, 6, 6 the third starts the count of those in a row anew.
 TEST(Summary, ALowerLossBringsPatienceBack) {
     Problem problem = sky_problem();
