@@ -66,15 +66,20 @@ double median_ratio(std::vector<Kink> kinks) {
     return -1;
 }
 
-std::vector<Kink> kinks_of(const ImageHalves& halves, const WeightedPicture& picture, int channel) {
+/// Of channels `first` to `end`.
+std::vector<Kink> kinks_of(const ImageHalves& halves, const WeightedPicture& picture, int first,
+                           int end) {
+    const Image& image = picture.image;
     std::vector<Kink> kinks;
-    for (int y = 0; y < picture.image.height; ++y)
-        for (int x = 0; x < picture.image.width; ++x) {
-            const double i =
-                0.5 * (double{halves.a.at(x, y, channel)} + double{halves.b.at(x, y, channel)});
-            const double weight = mask_at(picture.mask, x, y, channel) * std::abs(i);
-            if (weight > 0) kinks.push_back({double{picture.image.at(x, y, channel)} / i, weight});
-        }
+    kinks.reserve(image.values.size() / 3 * static_cast<std::size_t>(end - first));
+    for (int y = 0; y < image.height; ++y)
+        for (int x = 0; x < image.width; ++x)
+            for (int c = first; c < end; ++c) {
+                const double i =
+                    0.5 * (double{halves.a.at(x, y, c)} + double{halves.b.at(x, y, c)});
+                const double weight = mask_at(picture.mask, x, y, c) * std::abs(i);
+                if (weight > 0) kinks.push_back({double{image.at(x, y, c)} / i, weight});
+            }
     return kinks;
 }
 
@@ -88,14 +93,11 @@ Sums least_squares(bool by_channel, const auto& weight, const ImageHalves& halve
 
 /// Of a sum of absolute values.
 Sums median_ratios(bool by_channel, const ImageHalves& halves, const WeightedPicture& picture) {
-    std::array<std::vector<Kink>, 3> kinks;
-    for (int c = 0; c < 3; ++c) {
-        auto& to = kinks[by_channel ? static_cast<std::size_t>(c) : 0];
-        const std::vector<Kink> own = kinks_of(halves, picture, c);
-        to.insert(to.end(), own.begin(), own.end());
-    }
-    return {median_ratio(std::move(kinks[0])), median_ratio(std::move(kinks[1])),
-            median_ratio(std::move(kinks[2]))};
+    const auto of = [&](int first, int end) {
+        return median_ratio(kinks_of(halves, picture, first, end));
+    };
+    if (by_channel) return {of(0, 1), of(1, 2), of(2, 3)};
+    return {of(0, 3), 0, 0};
 }
 
 /// The best factor of each channel, or of all together in the first.
