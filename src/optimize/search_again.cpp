@@ -44,37 +44,54 @@ std::vector<SearchedCosts> costs_of(std::vector<GroupSums> sums) {
     return costs;
 }
 
-/// What fresh samples say in each view whose exposure is known.
-std::vector<std::vector<SearchedCosts>> search_views(const Setup& setup, const SearchPlan& plan,
-                                                     const SearchInput& input,
-                                                     const State::Values& state) {
-    std::vector<std::vector<SearchedCosts>> found(input.views.size());
+/// What fresh samples say in one of the views; nothing while its exposure is not known.
+std::vector<SearchedCosts> search_view(const SearchPlan& plan, const SearchInput& input,
+                                       const State::Values& state, std::size_t v) {
     // No group with a colour is searched again.
     const std::vector<GroupColors> none(plan.groups.size());
-    std::vector<int> owners;
-    for (std::size_t v = 0; v < input.views.size(); ++v) {
-        const std::size_t view = setup.fitted[input.fitted[v]];
-        owners.push_back(setup.owners[view]);
-        if (owners.back() != setup.problem.ranks.rank) continue;
-        const SearchView& s = input.views[v];
-        const ViewState& own = state.views[input.fitted[v]];
-        std::vector<GroupSums> sums;
-        for (const SearchGroup& g : plan.groups) sums.push_back(make_sums(g));
-        if (own.visits > 0 || !fits_exposure(s.exposure)) {
-            const SearchView exposed = at_exposure(own.exposure, s);
-            const std::size_t number = (state.searched_again.size() + 1) * input.views.size() + v;
-            const SearchFrame frame =
-                make_search_frame(plan, exposed, static_cast<std::uint32_t>(number));
-            add_views({&frame, 1}, none, sums);
-        }
-        found[v] = costs_of(std::move(sums));
+    const SearchView& s = input.views[v];
+    const ViewState& own = state.views[input.fitted[v]];
+    std::vector<GroupSums> sums;
+    for (const SearchGroup& g : plan.groups) sums.push_back(make_sums(g));
+    if (own.visits > 0 || !fits_exposure(s.exposure)) {
+        const SearchView exposed = at_exposure(own.exposure, s);
+        const std::size_t number = (state.searched_again.size() + 1) * input.views.size() + v;
+        const SearchFrame frame =
+            make_search_frame(plan, exposed, static_cast<std::uint32_t>(number));
+        add_views({&frame, 1}, none, sums);
     }
-    share(setup.problem.ranks, owners, Recipient::kAll, found);
-    return found;
+    return costs_of(std::move(sums));
 }
 
 void add(const std::vector<double>& from, std::vector<double>& to) {
     for (std::size_t i = 0; i < to.size(); ++i) to[i] += from[i];
+}
+void add(const std::vector<SearchedCosts>& from, std::vector<SearchedCosts>& to) {
+    for (std::size_t g = 0; g < to.size(); ++g)
+        add(from[g].squares, to[g].squares), add(from[g].costs, to[g].costs);
+}
+
+/// What all searches say of each group, this one of all views included, which are added in their
+/// order: by one process as they are found.
+std::vector<SearchedCosts> search_views(const Setup& setup, const SearchPlan& plan,
+                                        const SearchInput& input, const State::Values& state) {
+    const Ranks& ranks = setup.problem.ranks;
+    std::vector<SearchedCosts> all = state.search_costs;
+    std::vector<std::vector<SearchedCosts>> found(input.views.size());
+    std::vector<int> owners;
+    for (std::size_t v = 0; v < input.views.size(); ++v) {
+        owners.push_back(setup.owners[setup.fitted[input.fitted[v]]]);
+        if (owners.back() != ranks.rank) continue;
+        std::vector<SearchedCosts> own = search_view(plan, input, state, v);
+        if (ranks.count == 1)
+            add(own, all);
+        else
+            found[v] = std::move(own);
+    }
+    if (ranks.count == 1) return all;
+    share(ranks, owners, Recipient::kAll, found);
+    for (const auto& view : found) add(view, all);
+    return all;
 }
 
 /// What a search makes of a group.
@@ -83,17 +100,13 @@ struct NewChoice {
     std::vector<Image> before, after;  ///< of each member: what was chosen, and what is now
 };
 
-NewChoice choose_group(const Setup& setup, const SearchPlan& plan, std::size_t group,
-                       const std::vector<std::vector<SearchedCosts>>& found,
-                       const State::Values& state) {
-    const SearchedCosts& known = state.search_costs[group];
+/// known: of the searches before. all: with this one.
+NewChoice choose_group(const SearchGroup& group, const SearchPlan& plan, const Scene& scene,
+                       const SearchedCosts& known, SearchedCosts all) {
     const GroupSums sums{known.squares, {}, known.costs, {}};
-    NewChoice choice{sums, {}, {}};
-    for (const auto& view : found)
-        add(view[group].squares, choice.sums.squares), add(view[group].costs, choice.sums.costs);
-    const Scene& scene = scene_of(setup);
-    GroupChoice before = choose({plan, plan.groups[group], sums}, scene);
-    choice.after = choose_again({plan, plan.groups[group], choice.sums}, before, scene).starts;
+    NewChoice choice{{std::move(all.squares), {}, std::move(all.costs), {}}, {}, {}};
+    GroupChoice before = choose({plan, group, sums}, scene);
+    choice.after = choose_again({plan, group, choice.sums}, before, scene).starts;
     choice.before = std::move(before.starts);
     return choice;
 }
@@ -140,10 +153,11 @@ void search_again(const Setup& setup, State::Values& state, const StopQuestion& 
     std::vector<std::optional<NewChoice>> choices(plan.groups.size());
     {
         const Stoppable stoppable(stop);
-        const auto found = search_views(setup, plan, input, state);
+        std::vector<SearchedCosts> all = search_views(setup, plan, input, state);
         for (std::size_t g = 0; g < choices.size(); ++g)
             if (!state.search_costs[g].costs.empty())
-                choices[g] = choose_group(setup, plan, g, found, state);
+                choices[g] = choose_group(plan.groups[g], plan, scene_of(setup),
+                                          state.search_costs[g], std::move(all[g]));
         state.searched_again.reserve(state.searched_again.size() + 1);
         agree(setup.problem.ranks, true);  // all have chosen: none stops from here on
     }
