@@ -9,21 +9,37 @@ namespace {
 int blocks_across(const TextureRegions& r) { return (r.width + r.side - 1) / r.side; }
 int blocks_down(const TextureRegions& r) { return (r.height + r.side - 1) / r.side; }
 
-/// Numbers the charts of a block; their texels get the region's number.
-void add_block(const ChartMap& charts, int bx, int by, TextureRegions& r) {
+/// f(texel) for those of a block.
+void for_block(const TextureRegions& r, int bx, int by, const auto& f) {
+    for (int y = by * r.side; y < std::min((by + 1) * r.side, r.height); ++y)
+        for (int x = bx * r.side; x < std::min((bx + 1) * r.side, r.width); ++x)
+            f(static_cast<std::size_t>(y) * static_cast<std::size_t>(r.width) +
+              static_cast<std::size_t>(x));
+}
+
+/// Numbers the charts of a block; their texels get the region's number. last: of each chart its
+/// last region.
+void add_block(const ChartMap& charts, int bx, int by, std::vector<std::uint32_t>& last,
+               TextureRegions& r) {
     const auto begin = static_cast<std::uint32_t>(r.regions.size());
     r.first.push_back(begin);
-    for (int y = by * r.side; y < std::min((by + 1) * r.side, r.height); ++y)
-        for (int x = bx * r.side; x < std::min((bx + 1) * r.side, r.width); ++x) {
-            const auto texel = static_cast<std::size_t>(y) * static_cast<std::size_t>(r.width) +
-                               static_cast<std::size_t>(x);
-            const std::uint32_t chart = charts[texel];
-            if (chart == 0) continue;
-            std::uint32_t region = begin;
-            while (region < r.regions.size() && r.regions[region].chart != chart) ++region;
-            if (region == r.regions.size()) r.regions.push_back({bx, by, chart});
-            r.of_texel[texel] = region;
+    for_block(r, bx, by, [&](std::size_t texel) {
+        const std::uint32_t chart = charts[texel];
+        if (chart == 0) return;
+        if (last[chart] == TextureRegions::kNone || last[chart] < begin) {
+            last[chart] = static_cast<std::uint32_t>(r.regions.size());
+            r.regions.push_back({bx, by, chart});
         }
+        r.of_texel[texel] = last[chart];
+    });
+    if (r.regions.size() - begin <= TextureRegions::kMaxCharts) return;
+    r.regions.resize(begin);
+    r.regions.push_back({bx, by, Region::kJoined});
+    for_block(r, bx, by, [&](std::size_t texel) {
+        if (charts[texel] == 0) return;
+        r.of_texel[texel] = begin;
+        last[charts[texel]] = TextureRegions::kNone;
+    });
 }
 
 struct Mean {
@@ -41,8 +57,10 @@ TextureRegions make_regions(const ChartMap& charts, int width, int height, int s
     TextureRegions r;
     r.width = width, r.height = height, r.side = side;
     r.of_texel.assign(charts.size(), TextureRegions::kNone);
+    const std::uint32_t max = charts.empty() ? 0 : std::ranges::max(charts);
+    std::vector<std::uint32_t> last(std::size_t{max} + 1, TextureRegions::kNone);
     for (int y = 0; y < blocks_down(r); ++y)
-        for (int x = 0; x < blocks_across(r); ++x) add_block(charts, x, y, r);
+        for (int x = 0; x < blocks_across(r); ++x) add_block(charts, x, y, last, r);
     r.first.push_back(static_cast<std::uint32_t>(r.regions.size()));
     return r;
 }

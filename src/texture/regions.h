@@ -1,5 +1,6 @@
 // Blocks of texels that take one value together: squares of a texture, cut apart where charts
-// meet, so that no region reaches over a seam.
+// meet, so that no region reaches over a seam. Where many charts meet in a block, each is too small
+// to tell anything by itself, and the block is one region: there are at most kMaxCharts for each.
 #pragma once
 
 #include <cstdint>
@@ -12,14 +13,17 @@ namespace burnish {
 
 /// The part of a block that one chart covers.
 struct Region {
-    int x = 0, y = 0;  ///< of the block
-    std::uint32_t chart = 0;
+    static constexpr std::uint32_t kJoined = 0;
+
+    int x = 0, y = 0;         ///< of the block
+    std::uint32_t chart = 0;  ///< kJoined: all of a block that is not cut
 
     friend bool operator==(const Region&, const Region&) = default;
 };
 
 struct TextureRegions {
     static constexpr std::uint32_t kNone = static_cast<std::uint32_t>(-1);
+    static constexpr std::size_t kMaxCharts = 8;  ///< of a block that is cut
 
     int width = 0, height = 0;            ///< texels
     int side = 1;                         ///< texels on a side of a block
@@ -31,7 +35,8 @@ struct TextureRegions {
 /// charts: of the texels, [height, width].
 TextureRegions make_regions(const ChartMap& charts, int width, int height, int side);
 
-/// The other regions of the same chart in the 3 x 3 blocks around a region.
+/// The other regions of the same chart in the 3 x 3 blocks around a region; of a joined one those
+/// that are joined, too.
 std::vector<std::uint32_t> neighbours(const TextureRegions& regions, std::uint32_t region);
 
 /// Gives regions that are not known the mean of those around them in their chart, ring by ring;

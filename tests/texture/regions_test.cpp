@@ -42,6 +42,22 @@ TEST(Regions, CoverTexturesThatBlocksDoNotDivide) {
                   (Region{static_cast<int>(i % 10) / 4, static_cast<int>(i / 10) / 4, 1}));
 }
 
+/// Charts of single texels left of one: what 8 charts share is cut apart, what 9 share is not.
+TEST(Regions, AreNotCutWhereManyChartsMeet) {
+    const auto regions_of = [](std::uint32_t count) {
+        ChartMap charts(32, 1);  // 8 x 4 texels
+        for (std::uint32_t i = 0; i + 1 < count; ++i) charts[8 * (i / 4) + i % 4] = 2 + i;
+        charts[24] = 0;
+        return make_regions(charts, 8, 4, 4);
+    };
+    EXPECT_EQ(regions_of(8).regions.size(), 9u);
+    const TextureRegions r = regions_of(9);
+    EXPECT_EQ(r.regions, (std::vector<Region>{{0, 0, Region::kJoined}, {1, 0, 1}}));
+    for (std::size_t i = 0; i < 32; ++i)
+        EXPECT_EQ(r.of_texel[i], i == 24 ? TextureRegions::kNone : i % 8 / 4) << i;
+    EXPECT_TRUE(neighbours(r, 0).empty());
+}
+
 TEST(Regions, HaveNeighboursOfTheirChartAlone) {
     const TextureRegions r = make_regions(two_charts(), 12, 8, 4);
     for (std::uint32_t i = 0; i < r.regions.size(); ++i) {
