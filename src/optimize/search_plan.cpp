@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <iterator>
+#include <numeric>
 
 #include "core/parallel.h"
 #include "gradient/theta.h"
@@ -25,6 +27,10 @@ constexpr double kSquaresOfBlock = 1.5, kSquaresBesideColors = 4, kSamplesOfBloc
 /// Of tracing a camera sample, in units of shading it once; and of all.
 constexpr double kTraceWork = 10, kMaxWork = 100.0 * (1 << 20);
 
+/// How many texels another member has for each of a searched colour before regions are its: beside
+/// colours regions need more squares.
+constexpr int kTexelsOfColor = 8;
+
 /// members: in the order in which they were asked for.
 SearchGroup make_group(const Scene& scene, const SearchPlan& plan,
                        std::vector<std::size_t> members) {
@@ -40,6 +46,11 @@ SearchGroup make_group(const Scene& scene, const SearchPlan& plan,
         if (plan.colors[m] && !colored) colored = m;
     g.gray = colored && bitmap(*colored).channels == 1;
     std::stable_partition(members.begin(), members.end(), std::not_fn(is_uniform));
+    const auto finest = std::ranges::max_element(members, {}, [&](std::size_t m) {
+        const std::int64_t texels = std::int64_t{bitmap(m).width} * bitmap(m).height;
+        return is_uniform(m) ? 0 : texels * (m == colored ? kTexelsOfColor : 1);
+    });
+    std::rotate(members.begin(), finest, std::next(finest));
     if (colored)
         g.color = static_cast<std::size_t>(std::ranges::find(members, *colored) - members.begin());
     for (const std::size_t m : members) g.uniform.push_back(is_uniform(m));
@@ -81,18 +92,34 @@ SearchPlan grouped(const Scene& scene, std::vector<TextureId> unknowns) {
     return plan;
 }
 
-/// All combinations; numbers for which there is no room left stay in the middle.
+/// The grid of each member. Numbers for which there is no room left stay in the middle: those that
+/// were asked for last, constants first.
+std::vector<std::vector<float>> make_grids(const Scene& scene, const SearchPlan& plan,
+                                           const SearchGroup& group) {
+    const auto is_number = [&](std::size_t place) { return !plan.colors[group.members[place]]; };
+    std::vector<std::size_t> places(group.members.size());
+    std::iota(places.begin(), places.end(), std::size_t{0});
+    std::ranges::sort(places, {}, [&](std::size_t place) {
+        return std::pair(group.uniform[place], group.members[place]);
+    });
+    const auto numbers = static_cast<std::size_t>(std::ranges::count_if(places, is_number));
+    std::vector<std::vector<float>> grids(places.size(), {0.5f});
+    std::size_t combinations = 1;
+    for (const std::size_t place : places) {
+        if (!is_number(place)) continue;
+        const TextureId unknown = plan.unknowns[group.members[place]];
+        std::vector<float> grid = candidate_grid(read_as_roughness(scene, unknown), numbers);
+        if (combinations * grid.size() > kMaxCandidates) continue;
+        combinations *= grid.size(), grids[place] = std::move(grid);
+    }
+    return grids;
+}
+
+/// All combinations.
 std::vector<std::vector<float>> make_candidates(const Scene& scene, const SearchPlan& plan,
                                                 const SearchGroup& group) {
-    const auto numbers =
-        static_cast<std::size_t>(std::count_if(group.members.begin(), group.members.end(),
-                                               [&](std::size_t m) { return plan.colors[m] == 0; }));
     std::vector<std::vector<float>> candidates{{}};
-    for (const std::size_t m : group.members) {
-        std::vector<float> grid{0.5f};
-        if (!plan.colors[m])
-            grid = candidate_grid(read_as_roughness(scene, plan.unknowns[m]), numbers);
-        if (candidates.size() * grid.size() > kMaxCandidates) grid = {0.5f};
+    for (const std::vector<float>& grid : make_grids(scene, plan, group)) {
         std::vector<std::vector<float>> combined;
         for (const auto& c : candidates)
             for (const float v : grid) combined.push_back(c), combined.back().push_back(v);

@@ -43,7 +43,8 @@ inline SearchView at_exposure(const ExposureFactors& exposure, SearchView view) 
 
 /// Unknowns that are searched together: those of one material, or of several that share one.
 struct SearchGroup {
-    /// Indices of unknowns; the first has several texels, if any has.
+    /// Indices of unknowns. The first is the finest: the one that was asked for first where several
+    /// are, a colour also where another has not much more texels. Those of one texel come last.
     std::vector<std::size_t> members;
     std::vector<char> uniform;  ///< parallel to members: non-zero where a texel is all
     TextureRegions regions;     ///< of the first member's texture

@@ -138,19 +138,58 @@ TEST(StartSearch, SearchesUnknownsOfOneMaterialTogether) {
     EXPECT_LT(distance_of(summary.textures[1].start, truth_of(scene, 1)), 0.15);
 }
 
-/// Four texels of the second texture for one of the first, whose regions are texels.
-TEST(StartSearch, TexelsOfAFinerTextureLieInTheRegionAroundThem) {
+/// The regions are those of the texture with the most texels, whatever is named first.
+TEST(StartSearch, RegionsAreThoseOfTheFinestTexture) {
     Principled floor = metal();
     floor[PrincipledScalar::kRoughness].texture = {0};
     floor[PrincipledScalar::kMetallic].texture = {1};
-    Bitmap roughness = halves(16, 0.12f, 0.35f);
+    const Bitmap roughness =
+        bitmap_of(16, 1, [](int x, int y, int) { return (x / 4 + y / 4) % 2 ? 0.08f : 0.35f; });
+    Scene scene = floor_scene(floor, {roughness, halves(2, 1, 1)});
+    const Solver finest_first(searched_problem(scene, SearchStart{}), {});
+    EXPECT_LT(distance_of(finest_first.texture(0), truth_of(scene, 0)), 0.15);
+    std::swap(scene.parameters[0], scene.parameters[1]);
+    const Solver finest_last(searched_problem(scene, SearchStart{}), {});
+    EXPECT_EQ(finest_last.texture(1), finest_first.texture(0));
+    EXPECT_EQ(finest_last.texture(0), finest_first.texture(1));
+}
+
+/// Two texels of the second texture, one above the other, for one of the first, which is wide and
+/// has more; its regions are texels.
+TEST(StartSearch, TexelsOfATextureLieInTheRegionsAroundThem) {
+    Principled floor = metal();
+    floor[PrincipledScalar::kRoughness].texture = {0};
+    floor[PrincipledScalar::kMetallic].texture = {1};
+    Bitmap roughness = bitmap_of(16, 1, [](int, int y, int) { return y % 4 < 2 ? 0.12f : 0.35f; });
+    roughness.width = 64, roughness.height = 4;
     roughness.filter = TextureFilter::kBilinear;
-    const Scene scene = floor_scene(floor, {roughness, halves(32, 1, 0)});
+    const Scene scene = floor_scene(floor, {roughness, halves(8, 1, 0)});
     const Solver solver(searched_problem(scene, SearchStart{}), {});
     const Image& metallic = solver.texture(1);
-    for (int y = 0; y < 32; ++y)
-        for (int x = 0; x < 32; ++x)
-            EXPECT_EQ(metallic.at(x, y, 0), metallic.at(x & ~1, y & ~1, 0)) << x << ' ' << y;
+    EXPECT_LT(distance_of(metallic, truth_of(scene, 1)), 0.3);
+    for (int y = 0; y < 8; ++y)
+        for (int x = 0; x < 8; ++x)
+            EXPECT_EQ(metallic.at(x, y, 0), metallic.at(x, y & ~1, 0)) << x << ' ' << y;
+}
+
+/// A colour that is not much coarser keeps its regions, which have more squares each.
+TEST(StartSearch, RegionsAreThoseOfAColorUnlessOthersAreMuchFiner) {
+    Principled floor;
+    floor.base_color.texture = {0};
+    floor[PrincipledScalar::kRoughness].texture = {1};
+    const auto regions_with = [&](int color, int roughness, bool color_first) {
+        const Bitmap color_map = bitmap_of(color, 3, [](int, int, int) { return 0.5f; });
+        Scene scene = floor_scene(floor, {color_map, halves(roughness, 0.3f, 0.3f)});
+        if (!color_first) std::swap(scene.parameters[0], scene.parameters[1]);
+        const auto setup = make_setup(searched_problem(scene, SearchStart{}), {});
+        const SearchInput input = search_input(setup);
+        return make_search_plan(input.views, input.unknowns, 0).groups.at(0).regions.width;
+    };
+    for (const bool color_first : {true, false}) {
+        EXPECT_EQ(regions_with(8, 16, color_first), 8);
+        EXPECT_EQ(regions_with(8, 32, color_first), 32);
+        EXPECT_EQ(regions_with(1, 2, color_first), 2) << "a constant has none";
+    }
 }
 
 /// Colour and roughness of one material: ten candidates, the colour of each by the ratio.
