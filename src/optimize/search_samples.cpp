@@ -94,7 +94,7 @@ std::uint32_t region_at(const SearchFrame& f, const SearchGroup& group, const Ve
 struct Met {
     std::vector<std::vector<std::uint64_t>> regions;  ///< of each group: square << 32 | region
     std::vector<int> group;                           ///< of each square, -1: none
-    std::vector<char> shared;                         ///< non-zero: several
+    std::vector<char> shared;  ///< non-zero: several, or a BSDF that tells nothing
 };
 
 void add_met(const SearchFrame& f, const RecordRun& run, const TileRecords& records, Met& met) {
@@ -106,6 +106,7 @@ void add_met(const SearchFrame& f, const RecordRun& run, const TileRecords& reco
             const std::size_t square = block.pixel[k];
             if (met.group[square] >= 0 && met.group[square] != g) met.shared[square] = 1;
             met.group[square] = g;
+            if (!f.tells[static_cast<std::size_t>(run.bsdf.value)]) met.shared[square] = 1;
             const std::uint32_t region = region_at(f, group, {block.u[k], block.v[k]});
             if (region != TextureRegions::kNone)
                 met.regions[static_cast<std::size_t>(g)].push_back(std::uint64_t{square} << 32 |

@@ -45,8 +45,8 @@ struct TracedTile {
     Tile tile;
     std::array<TileSamples, 2> halves;
     /// For each group the squares that see no other one, by how many of their samples met which
-    /// regions; in order of squares. Those without samples in both halves or without a weight are
-    /// left out.
+    /// regions; in order of squares. Those without samples in both halves or without a weight, and
+    /// those that see a BSDF that tells nothing, are left out.
     std::vector<std::vector<RegionShare>> shares;
 };
 TracedTile trace_tile(const SearchFrame& frame, const SearchTile& tile);

@@ -31,14 +31,31 @@ int group_of(const SearchFrame& f, TextureId texture) {
     return -1;
 }
 
+/// Whether a BSDF has the colour of its group that is searched, or none. Parts of a blend are seen
+/// together with those that have.
+bool tells_of(const SearchFrame& f, const SearchGroup& group, BsdfId bsdf) {
+    const Scene& scene = *f.view.scene.scene;
+    const auto is_read = [&](std::size_t member) {
+        return reads(scene[bsdf], f.plan.unknowns[member]);
+    };
+    const auto is_other = [&](std::size_t member) {
+        return f.plan.colors[member] && is_read(member);
+    };
+    return !group.color || is_read(group.members[*group.color]) ||
+           std::ranges::none_of(group.members, is_other) || !shares_of(scene, bsdf).empty();
+}
+
 void find_bsdfs(SearchFrame& f) {
     const Scene& scene = *f.view.scene.scene;
     f.slots = unknown_slots(scene, f.plan);
     for (std::size_t i = 0; i < scene.bsdfs.size(); ++i) {
+        const BsdfId bsdf{static_cast<std::int32_t>(i)};
         int group = -1;
-        for (const TextureId id : textures_of(scene, BsdfId{static_cast<std::int32_t>(i)}))
+        for (const TextureId id : textures_of(scene, bsdf))
             group = std::max(group, group_of(f, id));
         f.groups.push_back(group);
+        f.tells.push_back(group >= 0 &&
+                          tells_of(f, f.plan.groups[static_cast<std::size_t>(group)], bsdf));
     }
     f.unknown_bsdfs = unknown_bsdfs(scene, f.slots);
     f.textures = std::make_unique<TextureTable>(f.plan.others ? texture_table(scene, *f.plan.others)

@@ -94,8 +94,11 @@ struct SearchFrame {
     std::vector<float> target = {}, weight = {};
     std::array<SearchPasses, 2> halves = {};
     // Of the scene.
-    std::vector<int> slots = {};           ///< see unknown_slots
-    std::vector<int> groups = {};          ///< of each BSDF, -1: none
+    std::vector<int> slots = {};   ///< see unknown_slots
+    std::vector<int> groups = {};  ///< of each BSDF, -1: none
+    /// Of each BSDF with a group, zero: its picture is that of a colour that stays at 0.5, and
+    /// tells nothing of what it shares with others.
+    std::vector<char> tells = {};
     std::vector<char> unknown_bsdfs = {};  ///< as of TraceInput; non-zero: has a group
     /// Of the shaders; the unknowns' texels are never read.
     std::unique_ptr<TextureTable> textures = {};

@@ -225,6 +225,28 @@ TEST(StartSearch, AConstantStartsWhereAllPixelsLoseLeast) {
     EXPECT_EQ(constant_first.texture(1), colors_first.texture(0));
 }
 
+/// A number that two materials share, each with a colour: the one whose colour is searched tells
+/// it.
+TEST(StartSearch, MaterialsWhoseColorIsNotSearchedSayNothingOfWhatTheyShare) {
+    Principled floor;
+    floor.base_color.texture = {0};
+    floor[PrincipledScalar::kRoughness].texture = {2};
+    const Bitmap color = bitmap_of(
+        8, 3, [](int x, int, int c) { return x < 4 ? 0.2f : 0.5f + 0.1f * static_cast<float>(c); });
+    const Bitmap dark = bitmap_of(8, 3, [](int, int, int) { return 0.1f; });
+    Scene scene = floor_scene(floor, {color, dark, halves(1, 0.25f, 0.25f)});
+    Principled wall = floor;
+    wall.base_color.texture = {1};
+    scene.bsdfs.push_back(wall);
+    scene.materials.push_back({"wall", {2}, {2}});
+    scene.shapes.push_back({"wall", make_quad({-1, 1, 0}, {2, 0, 0}, {0, 0, 0.8f}), {2}, {}});
+    for (int order = 0; order < 2; ++order) {
+        const Solver solver(searched_problem(scene, SearchStart{}), {});
+        EXPECT_NEAR(solver.texture(2).values[0], 0.25f, 0.1f) << order;
+        std::swap(scene.parameters[0], scene.parameters[1]);
+    }
+}
+
 /// Losses decide, however much more the costs of that value are, and unknown regions have no say.
 TEST(StartSearch, AConstantHasTheValueThatLosesLeastByAnyMargin) {
     SearchGroup group;
