@@ -3,6 +3,7 @@
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <sys/file.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <cerrno>
@@ -21,17 +22,26 @@ std::filesystem::path lock_of(const std::filesystem::path& folder) {
     return folder / kUnfinished / kLock;
 }
 
+/// Whether the open file still has its name: a run that ends removes it while it holds the lock.
+bool is_there(int lock, const std::filesystem::path& file) {
+    struct stat own {
+    }, named{};
+    return fstat(lock, &own) == 0 && lstat(file.c_str(), &named) == 0 &&
+           own.st_dev == named.st_dev && own.st_ino == named.st_ino;
+}
+
 }  // namespace
 
 /// Who may go on with a run that was killed is left to the umask, as with all other files.
-int take_lock(const std::filesystem::path& folder) {
+std::optional<int> take_lock(const std::filesystem::path& folder) {
     const std::filesystem::path file = lock_of(folder);
     const int lock = open(file.c_str(), O_RDWR | O_CREAT | O_NOFOLLOW | O_CLOEXEC, 0666);
+    if (lock < 0 && errno == ENOENT) return {};
     if (lock < 0)
         throw OutputError(
             fmt::format("{}: cannot be written: {}", file.string(), std::strerror(errno)));
-    if (flock(lock, LOCK_EX | LOCK_NB) == 0) return lock;
-    const int error = errno;
+    const int error = flock(lock, LOCK_EX | LOCK_NB) == 0 ? 0 : errno;
+    if (error == 0 && is_there(lock, file)) return lock;
     if (error == ENOSYS || error == ENOLCK || error == EOPNOTSUPP) {
         log_warning(
             fmt::format("{}: its file system has no locks ({}): nothing keeps another run "
@@ -40,6 +50,7 @@ int take_lock(const std::filesystem::path& folder) {
         return lock;
     }
     close(lock);
+    if (error == 0) return {};
     if (error == EWOULDBLOCK) throw OutputError(folder.string() + ": " + kInUse);
     throw OutputError(
         fmt::format("{}: the folder cannot be locked: {}", folder.string(), std::strerror(error)));

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 
 namespace burnish {
 
@@ -13,9 +14,10 @@ inline constexpr const char* kLock = "lock";
 inline constexpr const char* kInUse = "another run is writing into this folder";
 
 /// Takes the lock of a folder. Returns the open file, which holds it until it is closed; where the
-/// file system has no locks, without one, and warns. Throws OutputError: another run has it, or it
-/// cannot be written.
-int take_lock(const std::filesystem::path& folder);
+/// file system has no locks, without one, and warns. None: a run that ended meanwhile has removed
+/// the file, or its folder; make the folder and ask again. Throws OutputError: another run has it,
+/// or it cannot be written.
+std::optional<int> take_lock(const std::filesystem::path& folder);
 
 /// Whether a run that lives holds the lock of a folder, which need not be there.
 bool is_locked(const std::filesystem::path& folder);

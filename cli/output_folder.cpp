@@ -9,6 +9,7 @@
 #include <cstdlib>
 #include <cstring>
 #include <exception>
+#include <optional>
 #include <set>
 #include <utility>
 
@@ -16,6 +17,7 @@
 #include "cli/console.h"
 #include "cli/folder_content.h"
 #include "cli/folder_lock.h"
+#include "cli/folder_removal.h"
 #include "cli/history.h"
 #include "cli/interrupt.h"
 #include "image/files.h"
@@ -81,48 +83,6 @@ void clear_unfinished(const fs::path& unfinished) {
         if (entry.path().filename() != kLock) fs::remove_all(entry.path());
 }
 
-/// The topmost of a folder and those above it that are not there; empty: it is there.
-fs::path topmost_missing(const fs::path& folder) {
-    fs::path missing;
-    std::error_code ignored;
-    const auto is_missing = [&](const fs::path& path) {
-        return fs::symlink_status(path, ignored).type() == fs::file_type::not_found;
-    };
-    for (fs::path at = folder; !at.empty() && is_missing(at); at = at.parent_path()) missing = at;
-    return missing;
-}
-
-/// Removes a folder and those above it, up to `topmost`, where nothing is in them.
-void remove_empty(fs::path folder, const fs::path& topmost) {
-    if (topmost.empty()) return;
-    std::error_code ignored;
-    fs::remove(folder, ignored);
-    while (folder != topmost) {
-        folder = folder.parent_path();
-        fs::remove(folder, ignored);
-    }
-}
-
-/// Whether files that are open are left alone, under the names that NFS gives them until they are
-/// closed.
-bool holds_open_files(const fs::path& folder) {
-    std::error_code error;
-    bool any = false;
-    for (fs::directory_iterator at(folder, error), end; !error && at != end; at.increment(error)) {
-        if (!at->path().filename().string().starts_with(".nfs")) return false;
-        any = true;
-    }
-    return any && !error;
-}
-
-/// Where another thread still makes or removes files there, one attempt may end early.
-void remove_wholly(const fs::path& folder) {
-    constexpr int kTries = 1000;
-    std::error_code ignored;
-    for (int i = 0; i < kTries && fs::exists(folder, ignored) && !holds_open_files(folder); ++i)
-        fs::remove_all(folder, ignored);
-}
-
 /// Where they cannot be listed there may be some.
 bool may_hold_checkpoints(const fs::path& folder) {
     try {
@@ -133,24 +93,41 @@ bool may_hold_checkpoints(const fs::path& folder) {
 }
 
 /// Removes what is unfinished, and folders that were made where nothing else is in them. The lock
-/// is closed before the last of it goes: from there on folders go only where they are empty, so
-/// nothing of a run that begins then.
+/// goes while it is held, after all else: from there on another run may make its own, and folders
+/// go only where they are empty, so nothing of such a run.
 void discard(const fs::path& folder, const fs::path& made, int lock) {
     const fs::path unfinished = folder / kUnfinished;
     if (!may_hold_checkpoints(folder)) remove_histories(folder);
-    remove_wholly(unfinished);
-    close(lock);
+    remove_content(unfinished, kLock);
     std::error_code ignored;
+    fs::remove(unfinished / kLock, ignored);
+    close(lock);
     fs::remove(unfinished, ignored);
     remove_empty(unfinished, made);
 }
 
+/// Once more where another run, which ends, has removed a folder above while it was empty.
 void make_folders(const OutputFolder& output) {
-    make_folder(output.folder);
+    constexpr int kTries = 1000;
     std::error_code error;
-    fs::create_directories(output.unfinished, error);
-    if (error)
-        fail(output.folder, fmt::format("the folder cannot be written: {}", error.message()));
+    for (int i = 0; i < kTries; ++i) {
+        fs::create_directories(output.unfinished, error);
+        if (error != std::errc::no_such_file_or_directory && error != std::errc::file_exists) break;
+    }
+    if (!error) return;
+    make_folder(output.folder);  // says so where it is this one
+    fail(output.folder, fmt::format("the folder cannot be written: {}", error.message()));
+}
+
+/// Makes the folders and takes the lock. A run that ends at the same time, in this folder or beside
+/// it, may remove what is empty in between: then once more.
+int make_and_lock(const OutputFolder& output) {
+    constexpr int kTries = 1000;
+    for (int i = 0; i < kTries; ++i) {
+        make_folders(output);
+        if (const std::optional<int> lock = take_lock(output.folder)) return *lock;
+    }
+    fail(output.folder, "the folder cannot be locked: its lock is removed again and again");
 }
 
 /// Looks at what is there.
@@ -205,15 +182,15 @@ OutputFolder open_output_folder(const fs::path& folder, Found found) {
     output.unfinished = folder / kUnfinished;
     output.checkpoints = folder / kCheckpoints;
     std::error_code error;
-    if (fs::exists(folder, error) && !fs::is_directory(folder, error))
+    const fs::file_status status = fs::status(folder, error);
+    if (fs::exists(status) && !fs::is_directory(status))
         fail(folder, "expected a folder for the results, found a file");
     refuse_link(output.unfinished);
     // `unfinished`, or the topmost folder above it that was not there before; empty: all were
     const fs::path made = topmost_missing(output.unfinished);
     int lock = -1;  // held while the run lives
     try {
-        make_folders(output);
-        lock = take_lock(folder);
+        lock = make_and_lock(output);
         find_content(output, found);
         output.clean_up = CleanUp([folder, made, lock] { discard(folder, made, lock); });
     } catch (...) {

@@ -2,16 +2,21 @@
 // holds what is somebody else's, and links.
 #include "cli/output_folder.h"
 
+#include <sys/mman.h>
 #include <sys/stat.h>
 
+#include <atomic>
 #include <chrono>
 #include <functional>
 #include <map>
+#include <new>
+#include <random>
 #include <thread>
 #include <utility>
 
 #include "burnish/error.h"
 #include "cli/folder_content.h"
+#include "cli/folder_lock.h"
 #include "cli/history.h"
 #include "cli/program.h"
 #include "cli/texture_files.h"
@@ -70,6 +75,84 @@ class OutputFolderTest : public Program {
 };
 
 constexpr const char* kForeignHistory = "epoch,loss\n1,0.5\n";
+
+/// What processes that open folders at the same time have seen, in memory that they share.
+struct Seen {
+    bool is_held = true;            ///< each folder is, for a moment
+    std::atomic<int> holders{0};    ///< at this moment
+    std::atomic<int> opened{0};     ///< folders
+    std::atomic<int> together{0};   ///< opened while another process held the folder
+    std::atomic<int> lockless{0};   ///< times that a holder's lock was not there
+    std::atomic<int> in_use{0};     ///< times that another run was at work
+    std::atomic<int> otherwise{0};  ///< times that opening failed for another reason
+    char reason[256] = "";          ///< the last of these
+};
+
+/// Opens a folder and leaves it, again and again. The folder above goes where it is empty, as where
+/// the run has made it.
+void open_for_seconds(double seconds, const fs::path& out, unsigned seed, Seen& seen) {
+    std::minstd_rand random(seed);
+    const auto end = std::chrono::steady_clock::now() + std::chrono::duration<double>(seconds);
+    while (std::chrono::steady_clock::now() < end) try {
+            OutputFolder output = open_output_folder(out, Found::kAllowed);
+            ++seen.opened;
+            if (seen.holders.fetch_add(1) > 0) ++seen.together;
+            if (seen.is_held)
+                std::this_thread::sleep_for(std::chrono::microseconds(random() % 300));
+            if (!fs::exists(output.unfinished / kLock)) ++seen.lockless;
+            --seen.holders;
+            output = {};
+            std::error_code ignored;
+            fs::remove(out.parent_path(), ignored);
+        } catch (const std::exception& error) {
+            const bool is_in_use = contains(error.what(), kInUse);
+            ++(is_in_use ? seen.in_use : seen.otherwise);
+            if (!is_in_use) std::snprintf(seen.reason, sizeof seen.reason, "%s", error.what());
+        }
+}
+
+/// Processes that do so at the same time. out: the folder of each.
+void open_at_once(const std::vector<fs::path>& out, bool is_held,
+                  const std::function<void(const Seen&)>& check) {
+    void* const shared =
+        mmap(nullptr, sizeof(Seen), PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
+    ASSERT_NE(shared, MAP_FAILED);
+    Seen& seen = *new (shared) Seen;
+    seen.is_held = is_held;
+    std::vector<pid_t> processes;
+    for (unsigned i = 0; i < out.size(); ++i) {
+        processes.push_back(fork());
+        if (processes.back() != 0) continue;
+        open_for_seconds(1.5, out[i], i + 1, seen);
+        _exit(0);
+    }
+    for (const pid_t process : processes) EXPECT_EQ(end_of(process), 0);
+    check(seen);
+    munmap(shared, sizeof(Seen));
+}
+
+/// Also where the folder was there before, and stays.
+TEST_F(OutputFolderTest, OneRunAtATimeHasAFolder) {
+    put("there/notes.txt", "mine");
+    for (const char* out : {"out", "there"})
+        open_at_once({3, folder / out}, true, [&](const Seen& seen) {
+            EXPECT_GT(seen.opened, 10) << out;
+            EXPECT_GT(seen.in_use, 0) << out;
+            EXPECT_EQ(seen.together, 0) << out;
+            EXPECT_EQ(seen.lockless, 0) << out;
+            EXPECT_EQ(seen.otherwise, 0) << seen.reason;
+        });
+    EXPECT_EQ(entries_of(folder / "there").size(), 1u);
+}
+
+/// Each removes the folder above them where it is empty.
+TEST_F(OutputFolderTest, RunsInOneNewFolderDoNotDisturbEachOther) {
+    open_at_once({folder / "out/a", folder / "out/b", folder / "out/c"}, false,
+                 [](const Seen& seen) {
+                     EXPECT_GT(seen.opened, 10);
+                     EXPECT_EQ(seen.lockless + seen.in_use + seen.otherwise, 0) << seen.reason;
+                 });
+}
 
 TEST_F(OutputFolderTest, WhatIsBeingWrittenGoesToo) {
     expect_nothing_stays(
