@@ -60,7 +60,16 @@ fs::path real_path(const fs::path& file) {
     return error ? absolute.lexically_normal() : real;
 }
 
-std::string read_start(const fs::path& file, std::size_t max) {
+namespace {
+
+/// A file that is read from its start.
+struct Opened {
+    std::ifstream stream;
+    std::uintmax_t size = 0;  ///< bytes
+};
+
+/// Throws InputError.
+Opened open_to_read(const fs::path& file) {
     const fs::file_status status = status_of(file);
     if (!fs::exists(status))
         throw InputError(fmt::format("{}: no such file, expected a readable file", file.string()));
@@ -68,16 +77,29 @@ std::string read_start(const fs::path& file, std::size_t max) {
         throw InputError(
             fmt::format("{}: not a regular file, expected a readable file", file.string()));
     std::error_code error;
-    const std::uintmax_t size = fs::file_size(file, error);
-    std::ifstream stream(file, std::ios::binary);
-    if (error || !stream)
+    Opened opened{std::ifstream(file, std::ios::binary), fs::file_size(file, error)};
+    if (error || !opened.stream)
         throw InputError(
             fmt::format("{}: cannot be opened: {}", file.string(), std::strerror(errno)));
-    std::string bytes(static_cast<std::size_t>(std::min<std::uintmax_t>(size, max)), '\0');
+    return opened;
+}
+
+/// Reads the next bytes. before: how many were read before them. Throws InputError.
+void read_next(const fs::path& file, std::uintmax_t before, std::string& bytes,
+               std::ifstream& stream) {
     stream.read(bytes.data(), static_cast<std::streamsize>(bytes.size()));
-    if (stream.gcount() != static_cast<std::streamsize>(bytes.size()))
+    const auto count = static_cast<std::uintmax_t>(stream.gcount());
+    if (count != bytes.size())
         throw InputError(fmt::format("{}: byte offset {}: cannot be read, expected {} bytes",
-                                     file.string(), stream.gcount(), bytes.size()));
+                                     file.string(), before + count, before + bytes.size()));
+}
+
+}  // namespace
+
+std::string read_start(const fs::path& file, std::size_t max) {
+    Opened opened = open_to_read(file);
+    std::string bytes(static_cast<std::size_t>(std::min<std::uintmax_t>(opened.size, max)), '\0');
+    read_next(file, 0, bytes, opened.stream);
     return bytes;
 }
 
@@ -111,8 +133,15 @@ void require_short_text(const fs::path& file, const std::string& expected) {
 }
 
 Input input_of(const fs::path& file) {
-    const std::string bytes = read_start(file, kWholeFile);
-    return {file.string(), bytes.size(), hash_of(bytes)};
+    Opened opened = open_to_read(file);
+    Hasher hasher;
+    std::string part;
+    for (std::uintmax_t done = 0; done < opened.size; done += part.size()) {
+        part.resize(std::min<std::uintmax_t>(std::size_t{1} << 20, opened.size - done));
+        read_next(file, done, part, opened.stream);
+        hasher.add(part.data(), part.size());
+    }
+    return {file.string(), opened.size, hasher.hash()};
 }
 
 ReadLog::ReadLog() {

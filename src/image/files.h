@@ -52,7 +52,7 @@ class ReadLog {
     /// By name, each once: as it was read last.
     std::vector<Input> files() const;
 };
-/// A file as it is now. Throws InputError.
+/// A file as it is now; takes little memory, however large it is. Throws InputError.
 Input input_of(const std::filesystem::path& file);
 
 /// A file that is written in parts, beside its name until it is whole. Throws OutputError.

@@ -7,6 +7,7 @@
 #include <cstring>
 
 #include "burnish/error.h"
+#include "core/hash.h"
 #include "core/random.h"
 #include "error_of.h"
 #include "image/files.h"
@@ -378,6 +379,20 @@ TEST_F(DamagedImages, HeadersAreReadWithoutTheRestOfTheFile) {
         EXPECT_LT(peak_memory() - before, 100'000) << sample.name;
         EXPECT_TRUE(log.files().empty()) << sample.name;
     }
+}
+
+/// A run that goes on compares its files, which may be large, beside its state.
+TEST_F(DamagedImages, WhetherAFileIsAnotherOneTakesLittleMemory) {
+    const std::string bytes = std::string(2'500'000, 'a') + "b";
+    const auto file = write("file", bytes);
+    const Input expected{file.string(), bytes.size(), hash_of(bytes)};
+    EXPECT_EQ(input_of(file), expected);
+    EXPECT_EQ(input_of(write("empty", "")).hash, hash_of(""));
+    std::filesystem::resize_file(file, 400'000'000);
+    const long before = peak_memory();
+    EXPECT_FALSE(input_of(file) == expected);
+    EXPECT_LT(peak_memory() - before, 100'000);
+    EXPECT_THROW(input_of(folder / "missing"), InputError);
 }
 
 TEST_F(DamagedImages, AHeaderMayFollowMuchElse) {
