@@ -47,7 +47,6 @@ void log_change(const BatchJob& job) {
 /// Runs a job. Returns how it failed, or what is to be said of it.
 Failure finish_job(const BatchJob& job, std::size_t count, const Ranks& ranks) {
     const Stopwatch watch;
-    set_on_disk(OnDisk::kPart, kGoesOn);  // until the job has a checkpoint of its own
     const std::string& folder = job.settings.run.output;
     const EarlierRun earlier = agree(ranks, earlier_run(job.settings));
     if (earlier == EarlierRun::kDone) return {kDone, "was done before, " + result_text(folder)};
@@ -108,6 +107,9 @@ void run_batch(const BatchOptions& options, const Ranks& ranks) {
     std::size_t failed = 0;
     int output_error = 0;  // of the first line that did not arrive: the jobs go on
     for (const BatchJob& job : part) {
+        set_on_disk(OnDisk::kPart, kGoesOn);  // until the job has a checkpoint of its own
+        // One that came since the last job's results were whole.
+        if (agree(ranks, interrupted())) throw Suspended(kGoesOn);
         const Failure end = run_job(job, count, ranks);
         if (is_first(ranks)) {
             const int error = print_job(job, count, end.text);

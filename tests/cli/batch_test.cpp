@@ -250,6 +250,28 @@ TEST_F(Batch, ASignalBeforeAJobsIterationsEndsTheBatchAsOthersDo) {
     EXPECT_FALSE(fs::exists(folder / "out/b"));
 }
 
+/// It waits where it says that the first job is done: the pipe is full.
+TEST_F(Batch, ASignalBetweenTwoJobsEndsTheBatchBeforeTheNext) {
+    write_jobs(R"({"output": "out/a", "options": {"stop.iterations": 1}},
+                  {"output": "out/b", "options": {"stop.iterations": 1}})");
+    const FullPipe pipe(folder / "pipe");
+    const pid_t pid = start_shell("sh -c \"exec '" BURNISH_BINARY "' batch jobs.json >pipe\"");
+    EXPECT_TRUE(wait_for([&] {
+        return fs::exists(folder / "out/a/summary.json") &&
+               !fs::exists(lock_of("out/a").parent_path());
+    }));
+    std::this_thread::sleep_for(std::chrono::milliseconds(300));
+    kill(pid, SIGTERM);
+    std::this_thread::sleep_for(std::chrono::milliseconds(300));
+    const int status = pipe.drain_until_end_of(pid);
+    const std::string error = read_text(folder / ".err");
+    EXPECT_TRUE(WIFEXITED(status) && WEXITSTATUS(status) == 75) << status << error;
+    EXPECT_TRUE(contains(error, "the batch was stopped: the same command goes on with it"))
+        << error;
+    EXPECT_FALSE(contains(error, "job 2 of 2")) << error;
+    EXPECT_FALSE(fs::exists(folder / "out/b"));
+}
+
 /// Its target renders for a while, its evaluation for longer than the test.
 TEST_F(Batch, ASignalBeforeTheIterationsOfAJobThatGoesOnEndsTheBatchAsOthersDo) {
     write_jobs(R"({"output": "out/stopped", "options": {"stop.iterations": 1,

@@ -1,8 +1,10 @@
 // Runs the program as people do, on tiny scenes that the test writes.
 #pragma once
 
+#include <fcntl.h>
 #include <gtest/gtest.h>
 #include <sys/resource.h>
+#include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -75,6 +77,40 @@ inline int end_of(pid_t pid) {
     EXPECT_EQ(waitpid(pid, &status, 0), pid);
     return status;
 }
+
+/// A pipe that is full: who writes into it waits until this is drained.
+class FullPipe {
+  public:
+    explicit FullPipe(const fs::path& file) {
+        EXPECT_EQ(mkfifo(file.c_str(), 0600), 0);
+        end_ = open(file.c_str(), O_RDWR | O_NONBLOCK);
+        EXPECT_GE(end_, 0);
+        std::string bytes(4096, ' ');
+        for (const std::size_t size : {bytes.size(), std::size_t{1}})
+            while (write(end_, bytes.data(), size) > 0) {
+            }
+    }
+    ~FullPipe() { close(end_); }
+    FullPipe(const FullPipe&) = delete;
+    FullPipe& operator=(const FullPipe&) = delete;
+
+    /// The status of a process that writes into it until it ends, within a minute.
+    int drain_until_end_of(pid_t process) const {
+        int status = -1;
+        bool ended = false;
+        std::string bytes(4096, ' ');
+        EXPECT_TRUE(wait_for([&] {
+            while (read(end_, bytes.data(), bytes.size()) > 0) {
+            }
+            ended = ended || waitpid(process, &status, WNOHANG) == process;
+            return ended;
+        }));
+        return status;
+    }
+
+  private:
+    int end_ = -1;
+};
 
 /// Whether that file of a run holds times.
 inline bool is_timed(const std::string& name) {

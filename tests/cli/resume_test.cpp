@@ -1,7 +1,5 @@
 // Runs that are stopped, by whatever, and go on: to the bytes of a run that was not.
-#include <fcntl.h>
 #include <fmt/format.h>
-#include <sys/stat.h>
 
 #include <chrono>
 #include <csignal>
@@ -342,28 +340,13 @@ TEST_F(Resume, ASecondRunWithADamagedCheckpointGoesOnOrBeginsAnew) {
 /// The pipe that it speaks into is full: it waits where it says what it goes on from.
 TEST_F(Resume, ASignalAsACheckpointIsReadKeepsTheRun) {
     stop(std::string(kLongRun) + "-o out", "out", SIGTERM);
-    const fs::path pipe = folder / "pipe";
-    ASSERT_EQ(mkfifo(pipe.c_str(), 0600), 0);
-    const int end = open(pipe.c_str(), O_RDWR | O_NONBLOCK);
-    ASSERT_GE(end, 0);
-    std::string bytes(4096, ' ');
-    for (const std::size_t size : {bytes.size(), std::size_t{1}})
-        while (write(end, bytes.data(), size) > 0) {
-        }
+    const FullPipe pipe(folder / "pipe");
     const pid_t pid =
         start_shell("sh -c \"exec '" BURNISH_BINARY "' optimize --resume out 2>pipe\"");
     EXPECT_TRUE(wait_for([&] { return fs::exists(lock_of("out")); }));
     sleep(0.5);
     kill(pid, SIGTERM);
-    int status = -1;
-    bool ended = false;
-    EXPECT_TRUE(wait_for([&] {
-        while (read(end, bytes.data(), bytes.size()) > 0) {
-        }
-        ended = ended || waitpid(pid, &status, WNOHANG) == pid;
-        return ended;
-    }));
-    close(end);
+    const int status = pipe.drain_until_end_of(pid);
     EXPECT_TRUE(WIFEXITED(status) && WEXITSTATUS(status) == 75) << status;
 }
 
