@@ -121,6 +121,11 @@ RunCheckpoints::RunCheckpoints(const RunResult& run, OutputFolder& output, const
     options_.files = run.files;
     options_.stop = interrupted_by_system;
     options_.note = [this](const CheckpointNote& note) { tell(note); };
+    do_on_first(ranks_, [&] {  // a second run cannot go on beside another first one
+        if (part.empty() && !output.owns_checkpoints)
+            for (const fs::path& file : checkpoints_in(output.checkpoints / kCompared))
+                options_.replaced.push_back(file.string());
+    });
 }
 
 void RunCheckpoints::begin(const std::vector<Iteration>& earlier) {

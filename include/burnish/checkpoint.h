@@ -43,6 +43,9 @@ struct Checkpoints {
     double seconds = 60;
     std::string settings = {};      ///< of the caller's own, kept with the run
     std::vector<Input> files = {};  ///< that the caller has read, kept with the run
+    /// Files elsewhere that belong to an earlier run in the folder: they go with its checkpoints,
+    /// once the first of this run lies on the disk, before that has its name.
+    std::vector<std::string> replaced = {};
     /// Hears of each one. Empty: an OutputError ends the run where the folder cannot be made, or
     /// one cannot be written.
     std::function<void(const CheckpointNote&)> note = {};

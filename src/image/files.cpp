@@ -246,9 +246,10 @@ void FileWriter::replace_start(const void* bytes, std::size_t size) {
     write_all(static_cast<const char*>(bytes), size, 0);
 }
 
-void FileWriter::finish() {
+void FileWriter::finish(const std::function<void()>& before) {
     flush();
     if (fsync(descriptor_) != 0) fail();
+    if (before) before();
     if (rename(temporary_.c_str(), file_.c_str()) != 0) fail();
     close(std::exchange(descriptor_, -1));
 }

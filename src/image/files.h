@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <limits>
 #include <string>
 #include <string_view>
@@ -67,8 +68,9 @@ class FileWriter {
     void write(const void* bytes, std::size_t size);
     /// In the place of the first bytes, which must have been written.
     void replace_start(const void* bytes, std::size_t size);
-    /// The last call. Waits until the content lies on the disk, and gives it its name.
-    void finish();
+    /// The last call. Waits until the content lies on the disk, and gives it its name. before: what
+    /// is done in between.
+    void finish(const std::function<void()>& before = {});
 
   private:
     void flush();

@@ -6,6 +6,7 @@
 #include <array>
 #include <cstddef>
 #include <fstream>
+#include <functional>
 #include <utility>
 
 #include "burnish/error.h"
@@ -110,8 +111,9 @@ void write_section(const T& values, std::size_t number, FileWriter& file, Header
     header.sections[2 * number + 1] = hasher.hash();
 }
 
+/// before: what is done once it lies on the disk, before it has its name.
 void write_file(const fs::path& path, const Checkpoint& about, const Summary& run,
-                const WholeState& state) {
+                const WholeState& state, const std::function<void()>& before) {
     FileWriter file(path);
     Header header;
     file.write(&header, sizeof header);
@@ -120,7 +122,7 @@ void write_file(const fs::path& path, const Checkpoint& about, const Summary& ru
     write_section(state, 2, file, header);
     header.hash = header_hash(header);
     file.replace_start(&header, sizeof header);
-    file.finish();
+    file.finish(before);
 }
 
 /// Reads a file from its start to its end.
@@ -244,14 +246,14 @@ double expected_writing_seconds(const State::Values& state) {
 }
 
 CheckpointWriter::CheckpointWriter(const Checkpoints& options, std::vector<Input> problem,
-                                   const Ranks& ranks, std::uint32_t first)
-    : options_(options), problem_(std::move(problem)), ranks_(ranks) {
+                                   const Ranks& ranks, std::optional<std::uint32_t> first)
+    : options_(options), problem_(std::move(problem)), ranks_(ranks), replaced_(options.replaced) {
     require(!options_.folder.empty(), "the folder of the checkpoints has no name: expected one");
     const bool is_noted = agree(ranks_, static_cast<bool>(options_.note));
     do_on_first(ranks_, [&] {
         if (!is_noted) make_folder(options_.folder);
         for (const fs::path& file : checkpoints_in(options_.folder))
-            if (file.filename() > file_name(first)) stale_.push_back(file);
+            if (!first || file.filename() > file_name(*first)) stale_.push_back(file);
     });
     if (!is_first(ranks_)) return;
     std::error_code ignored;
@@ -274,6 +276,11 @@ void CheckpointWriter::make_room() const {
     keep(1, own.empty() ? stale_ : own);
 }
 
+void CheckpointWriter::remove_stale() {
+    remove(std::exchange(stale_, {}));
+    for (const std::string& file : std::exchange(replaced_, {})) remove({file});
+}
+
 void CheckpointWriter::write(const Summary& run, const WholeState& state, const fs::path& file) {
     const fs::path folder = options_.folder;
     std::error_code error;
@@ -281,21 +288,20 @@ void CheckpointWriter::write(const Summary& run, const WholeState& state, const 
     Checkpoint about;
     about.program = version_text(), about.problem = problem_;
     about.settings = options_.settings, about.files = options_.files;
+    const auto write_it = [&] { write_file(file, about, run, state, [&] { remove_stale(); }); };
     try {
-        write_file(file, about, run, state);
+        write_it();
     } catch (const OutputError&) {
         if (checkpoints_in(folder).size() < kKept) throw;
         make_room();
-        write_file(file, about, run, state);
+        write_it();
     }
-    std::erase(stale_, file);
     try {
         sync_folder(folder);
     } catch (const OutputError&) {
         keep(kKept + 1, own_checkpoints());  // the newest may be lost
         throw;
     }
-    remove(std::exchange(stale_, {}));
     keep(kKept, checkpoints_in(folder));
 }
 

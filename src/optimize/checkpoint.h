@@ -27,11 +27,12 @@ double expected_writing_seconds(const State::Values& state);
 /// Writes the checkpoints of one run when they are due.
 class CheckpointWriter {
   public:
-    /// first: the iteration that the run begins with. Files that a writer which was killed has left
-    /// in the folder go. Of several processes the first one writes. Throws InputError: a folder
-    /// without a name; OutputError: one that cannot be made, where nobody hears of it.
+    /// first: the iterations of the checkpoint that the run goes on from; none: it is new. Files
+    /// that a writer which was killed has left in the folder go. Of several processes the first one
+    /// writes. Throws InputError: a folder without a name; OutputError: one that cannot be made,
+    /// where nobody hears of it.
     CheckpointWriter(const Checkpoints& options, std::vector<Input> problem, const Ranks& ranks,
-                     std::uint32_t first);
+                     std::optional<std::uint32_t> first);
 
     /// After an iteration. run: its state is `state`. is_last: no iteration follows. Returns
     /// whether the state lies on the disk, the same to all processes.
@@ -44,13 +45,16 @@ class CheckpointWriter {
     /// Without what goes as soon as there is one of this run.
     std::vector<std::filesystem::path> own_checkpoints() const;
     void make_room() const;
+    void remove_stale();
 
     static constexpr double kRest = 50;  ///< at most 2 % of the time goes into writing
     const Checkpoints& options_;
     std::vector<Input> problem_;
     const Ranks& ranks_;
-    /// What an earlier run, or one that is given up, has left; goes once there is one of this run.
+    /// What an earlier run, or one that is given up, has left. Goes once one of this run lies on
+    /// the disk, before that has its name: the newest by its name is never of another run.
     std::vector<std::filesystem::path> stale_;
+    std::vector<std::string> replaced_;     ///< the same elsewhere
     Stopwatch since_;                       ///< the last one
     std::optional<double> took_;            ///< seconds that the last one which was written took
     std::optional<std::uint32_t> written_;  ///< iterations of the last one that was written

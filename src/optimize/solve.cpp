@@ -321,7 +321,7 @@ Summary solve(Problem problem, const Options& options, const Checkpoints& checkp
               const Callback& callback, const StageProgress& progress) {
     Setup setup = make_setup(std::move(problem), options);
     const Ranks ranks = setup.problem.ranks;
-    CheckpointWriter writer(checkpoints, inputs_of(setup), ranks, 0);
+    CheckpointWriter writer(checkpoints, inputs_of(setup), ranks, {});
     Solver solver(new_run(std::move(setup), progress));
     Summary summary = summary_of(solver.impl().search);
     return solve_from(std::move(solver), std::move(summary), callback, progress, &writer);

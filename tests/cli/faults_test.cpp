@@ -471,6 +471,33 @@ TEST_F(Injected, WhereMemoryEndsTheRunGoesOn) {
     EXPECT_GE(expect_same_files(folder / "whole", folder / "out"), 6u);
 }
 
+/// A run that goes on takes the newest one by its name.
+TEST_F(EveryWrite, WhereItKillsANewRunCheckpointsAreOfOneRunAlone) {
+    const std::string command = into_out(
+        "optimize scene.xml --parameter base_color --spp 2 --target-spp 4 --evaluation-spp 4 "
+        "--iterations 300 --checkpoint-every 0.001 --compare mc");
+    stop_once([&] { return checkpoints_in(folder / "out/checkpoints/compared").size() > 0; },
+              command, "out", SIGTERM);
+    const Results earlier = results();
+    bool fired = true;
+    int with_new = 0;
+    for (Fault fault{1, kKill}; fired && with_new < 6; ++fault.number) {
+        put(earlier);
+        run_with(fault, command + " --seed 1 --force", fired);
+        int older = 0, newer = 0;
+        for (const auto& [name, bytes] : results()) {
+            if (!name.starts_with("checkpoints/") || !name.ends_with(".burnish") ||
+                is_temporary(name))
+                continue;
+            const bool is_older = earlier.contains(name) && earlier.at(name) == bytes;
+            ++(is_older ? older : newer);
+        }
+        EXPECT_TRUE(older == 0 || newer == 0) << older << ", " << newer << ", " << fault.number;
+        with_new += newer > 0;
+    }
+    EXPECT_EQ(with_new, 6);
+}
+
 TEST_F(Injected, WhatFitsIsKeptWhereNothingWasBefore) {
     const std::string command = fmt::format("{} -o {}/out", kShortRun, folder.string());
     bool fired = true;

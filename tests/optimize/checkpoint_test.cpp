@@ -367,6 +367,27 @@ TEST_F(CheckpointTest, ANewRunReplacesWhatAnEarlierOneHasLeft) {
     EXPECT_TRUE(newest.damaged.empty());
 }
 
+/// Also one that was stopped in its first iteration, and what belongs to it elsewhere.
+TEST_F(CheckpointTest, NothingOfAnEarlierRunStaysBesideTheFirstOfANewOne) {
+    Options options;
+    options.estimator = MonteCarlo{1, 1};
+    const fs::path own = checkpoints.folder, elsewhere = folder / "elsewhere";
+    fs::create_directories(own);
+    for (const fs::path& file : {own / "0000000000.burnish", own / "0000000009.burnish", elsewhere})
+        std::ofstream(file) << "of an earlier run";
+    checkpoints.replaced = {elsewhere.string()};
+    checkpoints.note = [&](const CheckpointNote& note) {
+        ASSERT_EQ(files().size(), 1u);
+        EXPECT_EQ(files()[0].string(), note.file);
+        EXPECT_FALSE(fs::exists(elsewhere));
+    };
+    solve(test::state_problem(), options, checkpoints, [&](const Iteration&, const Solver&) {
+        EXPECT_EQ(files().size(), 2u) << "before there is one of the new run";
+        EXPECT_TRUE(fs::exists(elsewhere));
+        return Suspend;
+    });
+}
+
 /// They would count as none, and the run would begin anew.
 TEST_F(CheckpointTest, AFolderThatCannotBeReadIsAnError) {
     const fs::path loop = fs::path(checkpoints.folder) / "loop";
@@ -478,7 +499,7 @@ TEST_F(CheckpointTest, TheFirstOneWaitsWhereWritingItTakesLong) {
     EXPECT_NEAR(expected_writing_seconds(large), 0.1, 0.01);
     EXPECT_LT(expected_writing_seconds(small), 1e-5);
     const Ranks alone;
-    CheckpointWriter writer(checkpoints, {}, alone, 0);
+    CheckpointWriter writer(checkpoints, {}, alone, {});
     std::this_thread::sleep_for(std::chrono::milliseconds(10));
     writer.offer({}, large, false);
     EXPECT_TRUE(files().empty());
@@ -496,7 +517,7 @@ TEST_F(CheckpointTest, TheNextOneWaitsAsLongAsTheLastThatWasWrittenAsksFor) {
             return ranks.exchange(std::move(messages));
         };
         State::Values state;
-        CheckpointWriter writer(checkpoints, {}, slow, 0);
+        CheckpointWriter writer(checkpoints, {}, slow, {});
         writer.offer({}, state, true);
         each = std::chrono::milliseconds(0);
         writer.offer({}, state, true);

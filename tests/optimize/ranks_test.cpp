@@ -393,7 +393,7 @@ TEST_F(ProcessesAndCheckpoints, WhereMemoryEndsWhileWritingAllEnd) {
             if (left-- == 0) throw std::bad_alloc();
             return ranks.exchange(std::move(messages));
         };
-        CheckpointWriter writer(checkpoints, {}, short_of_memory, 0);
+        CheckpointWriter writer(checkpoints, {}, short_of_memory, {});
         // After whether it is due, whether it is new, and which arrays lie in parts.
         if (ranks.rank == 0) left = 3;
         EXPECT_THROW(writer.offer({}, part.values(), true), std::bad_alloc) << ranks.rank;
