@@ -92,7 +92,7 @@ std::vector<std::string> changed_inputs(const std::vector<Input>& expected,
 void require_same_inputs(const std::vector<Input>& expected, const std::vector<Input>& found) {
     const std::vector<std::string> changed = changed_inputs(expected, found);
     if (!changed.empty())
-        throw InputError(fmt::format("the run cannot go on as it was: changed since it began: {}",
+        throw ChangedRun(fmt::format("the run cannot go on as it was: changed since it began: {}",
                                      fmt::join(changed, ", ")));
 }
 

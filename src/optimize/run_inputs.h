@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "burnish/checkpoint.h"
+#include "burnish/error.h"
 #include "core/archive.h"
 #include "optimize/setup.h"
 #include "optimize/state.h"
@@ -20,7 +21,12 @@ bool may_change(const std::string& option);
 /// lights, unknowns with their starts. Not what may change.
 std::vector<Input> inputs_of(const Setup& setup);
 
-/// Throws InputError that names what differs.
+/// A run cannot go on from a checkpoint: it is of another one.
+struct ChangedRun : InputError {
+    using InputError::InputError;
+};
+
+/// Throws ChangedRun that names what differs.
 void require_same_inputs(const std::vector<Input>& expected, const std::vector<Input>& found);
 
 /// Throws InputError, on all processes, where one has another problem than the first, or goes on

@@ -471,6 +471,31 @@ TEST_F(Injected, WhereMemoryEndsTheRunGoesOn) {
     EXPECT_GE(expect_same_files(folder / "whole", folder / "out"), 6u);
 }
 
+/// Its evaluation is the first that takes memory after its checkpoint.
+TEST_F(Injected, WhereTheSecondRunFailsTheFirstHasItsResults) {
+    std::string once = kShortRun;
+    once.replace(once.find("0.001"), 5, "3600");  // a checkpoint at the end of each run
+    const std::string command =
+        fmt::format("{} --size 128 128 --compare mc -o {}/", once, folder.string());
+    ASSERT_EQ(run(command + "whole").code, 0);
+    const Outcome failed = shell(fmt::format(
+        "BURNISH_FAULT_MEMORY_AFTER=2 LD_PRELOAD=" BURNISH_FAULT_SHIM " '" BURNISH_BINARY "' {}out",
+        command));
+    EXPECT_EQ(failed.code, 77) << failed.err;
+    EXPECT_TRUE(contains(failed.err, "there is not enough memory")) << failed.err;
+    EXPECT_TRUE(contains(failed.err, "optimize --resume ")) << failed.err;
+    const auto summary = summary_of("out");
+    EXPECT_FALSE(summary.contains("compared"));
+    for (const auto& [name, bytes] : test::contents(folder / "whole"))
+        if (name.starts_with("textures/")) {
+            EXPECT_TRUE(read_text(folder / "out" / name) == bytes) << name;
+        }
+    EXPECT_TRUE(has_checkpoint());
+    EXPECT_EQ(run("optimize --resume out").code, 0) << read_text(folder / ".err");
+    EXPECT_GE(expect_same_files(folder / "whole", folder / "out"), 6u);
+    EXPECT_TRUE(summary_of("out").contains("compared"));
+}
+
 /// A run that goes on takes the newest one by its name.
 TEST_F(EveryWrite, WhereItKillsANewRunCheckpointsAreOfOneRunAlone) {
     const std::string command = into_out(

@@ -337,6 +337,26 @@ TEST_F(Resume, ASecondRunWithADamagedCheckpointGoesOnOrBeginsAnew) {
     }
 }
 
+/// A run that replaced another one, and was killed, may have left that one's.
+TEST_F(Resume, ASecondRunDoesNotGoOnFromTheCheckpointOfAnotherOne) {
+    const std::string command = std::string(kLongRun) + "--compare mc ";
+    ASSERT_EQ(run(command + "-o whole").code, 0) << read_text(folder / ".err");
+    const std::string second = "checkpoints/compared";
+    stop(command + "-o out", "out", SIGTERM, second);
+    stop(command + "--seed 5 -o other", "other", SIGTERM, second);
+    fs::remove_all(folder / "out" / second);
+    fs::copy(folder / "other" / second, folder / "out" / second);
+    ASSERT_FALSE(checkpoints_in(folder / "out" / second).empty());
+    const Outcome resumed = run("optimize --resume out");
+    ASSERT_EQ(resumed.code, 0) << resumed.err;
+    EXPECT_TRUE(contains(resumed.err,
+                         ".burnish: the run cannot go on as it was: changed since it began: the "
+                         "option seed"))
+        << resumed.err;
+    EXPECT_TRUE(contains(resumed.err, ": the second run begins anew")) << resumed.err;
+    expect_same("whole", "out");
+}
+
 /// The pipe that it speaks into is full: it waits where it says what it goes on from.
 TEST_F(Resume, ASignalAsACheckpointIsReadKeepsTheRun) {
     stop(std::string(kLongRun) + "-o out", "out", SIGTERM);
