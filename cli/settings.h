@@ -14,7 +14,7 @@
 namespace burnish {
 
 struct RunSettings {
-    std::string scene;                     ///< file, XML or capture.json; empty: the built-in goblet
+    std::string scene;  ///< file, XML or capture.json; empty: the built-in goblet
     std::vector<std::string> definitions;  ///< "NAME=VALUE"
     std::vector<int> size;                 ///< width and height, or empty: the scene's
     LightSelection light_selection = SceneSettings{}.light_selection;

@@ -736,7 +736,7 @@ TEST_F(CommandLine, ReproduceMakesThePartsThatAreAskedFor) {
     ASSERT_EQ(json["figures"].size(), 2u);
     EXPECT_EQ(json["figures"][0]["title"], "goblet: roughness");
     EXPECT_EQ(json["figures"][1]["experiment"], "equal-error");
-    expect_refused("reproduce -o r2 --only goblet", 2, "no experiment ''");
+    expect_refused("reproduce -o r2 --only goblet", 2, "--only goblet: expected SCENE/NAME");
 }
 
 TEST_F(CommandLine, ReproduceRefusesWhatItDoesNotKnow) {
