@@ -20,12 +20,14 @@ constexpr std::size_t kMaxCandidates = 64;
 /// The least and the most passes of each half where squares are pixels: with fewer, candidates
 /// whose light is noisy win, and squares are enlarged.
 constexpr double kPassesOfPixels = 12, kMaxPassesOfPixels = 32;
-/// The least where squares are larger, or numbers are beside colours.
-constexpr double kPassesOfSquares = 32;
+/// The least where squares are larger, and where numbers are beside colours.
+constexpr double kPassesOfSquares = 32, kPassesBesideColors = 36;
+/// The candidates of which these are the least passes; more need more, or noise lets one win.
+constexpr double kFewCandidates = 11;
 /// What a block of texels needs on average; beside colours its squares have one together.
 constexpr double kSquaresOfBlock = 1.5, kSquaresBesideColors = 4, kSamplesOfBlock = 40;
 /// Of tracing a camera sample, in units of shading it once; and of all.
-constexpr double kTraceWork = 10, kMaxWork = 100.0 * (1 << 20);
+constexpr double kTraceWork = 40, kMaxWork = 250.0 * (1 << 20);
 
 /// How many texels another member has for each of a searched colour before regions are its: beside
 /// colours regions need more squares.
@@ -223,18 +225,23 @@ SearchPlan make_search_plan(std::span<const SearchView> views,
     for (const SearchUnknown& u : unknowns) textures.push_back(u.texture);
     SearchPlan plan = grouped(scene, std::move(textures));
     plan.seed = seed;
-    double work = kTraceWork;
+    double work = kTraceWork, candidates = kFewCandidates;
     bool beside_colors = false;
     for (SearchGroup& g : plan.groups) {
         g.candidates = make_candidates(scene, plan, g);
         g.prior_costs = make_prior_costs(scene, plan, g);
-        // Black and white; half as many samples tell the colours first.
-        work += static_cast<double>(g.candidates.size()) * (g.color ? 3 : 1);
-        beside_colors |= g.color && g.candidates.size() > 1;
+        const auto count = static_cast<double>(g.candidates.size());
+        candidates = std::max(candidates, count);
+        beside_colors |= g.color && count > 1;
+        work += count * (g.color ? 3 : 1);  // black and white, and in samples of colours alone
     }
+    if (beside_colors) work += kTraceWork / 2;  // half as many samples tell the colours first
     const double seen = std::max(1.0, count_seen(views, plan));
-    const bool enlarges = beside_colors || scale_for(seen, kPassesOfPixels, work) > 1;
-    plan.scale = scale_for(seen, enlarges ? kPassesOfSquares : kPassesOfPixels, work);
+    const auto scale_with = [&](double least_passes) {
+        return scale_for(seen, least_passes * std::cbrt(candidates / kFewCandidates), work);
+    };
+    plan.scale = scale_with(beside_colors ? kPassesBesideColors : kPassesOfPixels);
+    if (plan.scale > 1 && !beside_colors) plan.scale = scale_with(kPassesOfSquares);
     const double squares = std::max(1.0, seen / (plan.scale * plan.scale));
     double passes = kMaxWork / (2 * squares * work);
     if (plan.scale == 1) passes = std::min(passes, kMaxPassesOfPixels);
