@@ -368,8 +368,8 @@ def test_anything_that_is_an_array(renderer):
     picture = renderer.render(spp=1)
     for views, count in [(picture.tolist(), 1), (list(picture), 1), ([picture.tolist()] * 2, 2), ([picture, picture.tolist()], 2),
                          ((list(picture), picture), 2)]:
-        expected = "Problem(1 view, 1 unknown)" if count == 1 else "Problem(2 views, 1 unknown)"
-        assert repr(burnish.Problem(renderer, views, NAME)) == expected
+        text = "Problem(1 view, 1 unknown)" if count == 1 else "Problem(2 views, 1 unknown)"
+        assert repr(burnish.Problem(renderer, views, NAME)) == text
         burnish.Solver(burnish.Problem(renderer, views, burnish.Unknown(NAME, 0.5)))
     endless = []
     endless.append(endless)
