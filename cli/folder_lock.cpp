@@ -24,8 +24,7 @@ std::filesystem::path lock_of(const std::filesystem::path& folder) {
 
 /// Whether the open file still has its name: a run that ends removes it while it holds the lock.
 bool is_there(int lock, const std::filesystem::path& file) {
-    struct stat own {
-    }, named{};
+    struct stat own = {}, named = {};
     return fstat(lock, &own) == 0 && lstat(file.c_str(), &named) == 0 &&
            own.st_dev == named.st_dev && own.st_ino == named.st_ino;
 }

@@ -9,6 +9,8 @@ namespace fs = std::filesystem;
 
 namespace {
 
+constexpr int kTries = 1000;  // one may end early
+
 /// What is to go of a folder's content: not the entry `kept`, nor files that are open, under the
 /// names that NFS gives them until they are closed.
 std::vector<fs::path> removable(const fs::path& folder, const std::string& kept) {
@@ -21,24 +23,27 @@ std::vector<fs::path> removable(const fs::path& folder, const std::string& kept)
     return entries;
 }
 
+/// Returns whether there was anything to go.
+bool try_to_remove(const fs::path& folder, const std::string& kept) {
+    const std::vector<fs::path> entries = removable(folder, kept);
+    std::error_code ignored;
+    for (const fs::path& entry : entries) fs::remove_all(entry, ignored);
+    return !entries.empty();
+}
+
 }  // namespace
 
 void remove_content(const fs::path& folder, const std::string& kept) {
-    constexpr int kTries = 1000;  // one may end early
-    std::error_code ignored;
-    for (int i = 0; i < kTries; ++i) {
-        const std::vector<fs::path> entries = removable(folder, kept);
-        if (entries.empty()) return;
-        for (const fs::path& entry : entries) fs::remove_all(entry, ignored);
+    for (int i = 0; i < kTries && try_to_remove(folder, kept); ++i) {
     }
 }
 
 void remove_wholly(const fs::path& folder) {
-    std::error_code error;
-    do {
-        remove_content(folder, "");
-        fs::remove(folder, error);
-    } while (error == std::errc::directory_not_empty && !removable(folder, "").empty());
+    std::error_code ignored;
+    for (int i = 0; i < kTries; ++i) {
+        try_to_remove(folder, "");
+        if (fs::remove(folder, ignored) || removable(folder, "").empty()) return;
+    }
 }
 
 fs::path topmost_missing(const fs::path& folder) {
