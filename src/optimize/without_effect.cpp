@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <limits>
 #include <span>
 #include <utility>
 #include <variant>
@@ -13,7 +14,7 @@
 #include "gradient/path_cache/path_cache.h"
 #include "optimize/search_again.h"
 #include "optimize/search_plan.h"
-#include "texture/prolongation.h"
+#include "texture/pyramid.h"
 
 namespace burnish {
 
@@ -36,9 +37,8 @@ std::string samples_without_effect(const Estimator& estimator) {
 
 /// Levels of a texture, of which the coarsest is one texel.
 int most_levels(const Bitmap& bitmap) {
-    int levels = 1;
-    for (int side = std::max(bitmap.width, bitmap.height); side > 1; side = half(side)) ++levels;
-    return levels;
+    constexpr int kAll = std::numeric_limits<int>::max();
+    return static_cast<int>(make_maps(kAll, bitmap.width, bitmap.height, {}, false).sizes.size());
 }
 
 /// More levels than the textures have; those of one texel have one, which does not decay.
