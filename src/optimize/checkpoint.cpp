@@ -247,7 +247,10 @@ double expected_writing_seconds(const State::Values& state) {
 
 CheckpointWriter::CheckpointWriter(const Checkpoints& options, std::vector<Input> problem,
                                    const Ranks& ranks, std::optional<std::uint32_t> first)
-    : options_(options), problem_(std::move(problem)), ranks_(ranks), replaced_(options.replaced) {
+    : options_(options),
+      problem_(std::move(problem)),
+      ranks_(ranks),
+      replaced_(options.replaced.begin(), options.replaced.end()) {
     require(!options_.folder.empty(), "the folder of the checkpoints has no name: expected one");
     const bool is_noted = agree(ranks_, static_cast<bool>(options_.note));
     do_on_first(ranks_, [&] {
@@ -278,7 +281,7 @@ void CheckpointWriter::make_room() const {
 
 void CheckpointWriter::remove_stale() {
     remove(std::exchange(stale_, {}));
-    for (const std::string& file : std::exchange(replaced_, {})) remove({file});
+    remove(std::exchange(replaced_, {}));
 }
 
 void CheckpointWriter::write(const Summary& run, const WholeState& state, const fs::path& file) {

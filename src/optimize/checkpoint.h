@@ -54,8 +54,8 @@ class CheckpointWriter {
     /// What an earlier run, or one that is given up, has left. Goes once one of this run lies on
     /// the disk, before that has its name: the newest by its name is never of another run.
     std::vector<std::filesystem::path> stale_;
-    std::vector<std::string> replaced_;     ///< the same elsewhere
-    Stopwatch since_;                       ///< the last one
+    std::vector<std::filesystem::path> replaced_;  ///< the same elsewhere
+    Stopwatch since_;                              ///< the last one
     std::optional<double> took_;            ///< seconds that the last one which was written took
     std::optional<std::uint32_t> written_;  ///< iterations of the last one that was written
 };
