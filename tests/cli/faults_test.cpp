@@ -154,6 +154,16 @@ class Injected : public Faults {
         fired = fs::exists(folder / "fired");
         return outcome;
     }
+    /// Memory ends once, after so many checkpoints, which says how the run goes on.
+    void expect_memory_to_end(const std::string& arguments, int checkpoints) const {
+        const Outcome failed =
+            shell(fmt::format("BURNISH_FAULT_MEMORY_AFTER={} LD_PRELOAD=" BURNISH_FAULT_SHIM
+                              " '" BURNISH_BINARY "' {}",
+                              checkpoints, arguments));
+        EXPECT_EQ(failed.code, 77) << failed.err;
+        EXPECT_TRUE(contains(failed.err, "there is not enough memory")) << failed.err;
+        EXPECT_TRUE(contains(failed.err, "optimize --resume ")) << failed.err;
+    }
 };
 
 using Results = std::map<std::string, std::string>;
@@ -460,12 +470,7 @@ TEST_F(Injected, ASignalLeavesNoUnfinishedImage) {
 TEST_F(Injected, WhereMemoryEndsTheRunGoesOn) {
     const std::string command = fmt::format("{} --size 128 128 -o {}/", kShortRun, folder.string());
     ASSERT_EQ(run(command + "whole").code, 0);
-    const Outcome failed = shell(fmt::format(
-        "BURNISH_FAULT_MEMORY_AFTER=1 LD_PRELOAD=" BURNISH_FAULT_SHIM " '" BURNISH_BINARY "' {}out",
-        command));
-    EXPECT_EQ(failed.code, 77) << failed.err;
-    EXPECT_TRUE(contains(failed.err, "there is not enough memory")) << failed.err;
-    EXPECT_TRUE(contains(failed.err, "optimize --resume ")) << failed.err;
+    expect_memory_to_end(command + "out", 1);
     EXPECT_FALSE(fs::exists(folder / "out/summary.json"));
     EXPECT_EQ(run("optimize --resume out").code, 0) << read_text(folder / ".err");
     EXPECT_GE(expect_same_files(folder / "whole", folder / "out"), 6u);
@@ -478,12 +483,7 @@ TEST_F(Injected, WhereTheSecondRunFailsTheFirstHasItsResults) {
     const std::string command =
         fmt::format("{} --size 128 128 --compare mc -o {}/", once, folder.string());
     ASSERT_EQ(run(command + "whole").code, 0);
-    const Outcome failed = shell(fmt::format(
-        "BURNISH_FAULT_MEMORY_AFTER=2 LD_PRELOAD=" BURNISH_FAULT_SHIM " '" BURNISH_BINARY "' {}out",
-        command));
-    EXPECT_EQ(failed.code, 77) << failed.err;
-    EXPECT_TRUE(contains(failed.err, "there is not enough memory")) << failed.err;
-    EXPECT_TRUE(contains(failed.err, "optimize --resume ")) << failed.err;
+    expect_memory_to_end(command + "out", 2);
     const auto summary = summary_of("out");
     EXPECT_FALSE(summary.contains("compared"));
     for (const auto& [name, bytes] : test::contents(folder / "whole"))

@@ -192,14 +192,18 @@ TEST(StartSearch, RegionsAreThoseOfAColorUnlessOthersAreMuchFiner) {
     }
 }
 
+/// A colour of two halves.
+Bitmap gray_and_tinted() {
+    return bitmap_of(
+        8, 3, [](int x, int, int c) { return x < 4 ? 0.2f : 0.5f + 0.1f * static_cast<float>(c); });
+}
+
 /// Colour and roughness of one material: ten candidates, the colour of each by the ratio.
 TEST(StartSearch, SearchesAColorWithARoughness) {
     Principled floor;
     floor.base_color.texture = {0};
     floor[PrincipledScalar::kRoughness].texture = {1};
-    const Bitmap color = bitmap_of(
-        8, 3, [](int x, int, int c) { return x < 4 ? 0.2f : 0.5f + 0.1f * static_cast<float>(c); });
-    const Scene scene = floor_scene(floor, {color, halves(16, 0.3f, 0.3f)});
+    const Scene scene = floor_scene(floor, {gray_and_tinted(), halves(16, 0.3f, 0.3f)});
     Options options;
     options.stop.iterations = 1, options.evaluation_samples = 2;
     const Summary summary = solve(searched_problem(scene, SearchStart{}), options);
@@ -214,9 +218,7 @@ TEST(StartSearch, AConstantStartsWhereAllPixelsLoseLeast) {
     Principled floor;
     floor.base_color.texture = {0};
     floor[PrincipledScalar::kRoughness].texture = {1};
-    const Bitmap color = bitmap_of(
-        8, 3, [](int x, int, int c) { return x < 4 ? 0.2f : 0.5f + 0.1f * static_cast<float>(c); });
-    Scene scene = floor_scene(floor, {color, halves(1, 0.25f, 0.25f)});
+    Scene scene = floor_scene(floor, {gray_and_tinted(), halves(1, 0.25f, 0.25f)});
     const Solver colors_first(searched_problem(scene, SearchStart{}), {});
     EXPECT_EQ(colors_first.texture(1).values, std::vector<float>{0.25f});
     std::swap(scene.parameters[0], scene.parameters[1]);
@@ -231,10 +233,8 @@ TEST(StartSearch, MaterialsWhoseColorIsNotSearchedSayNothingOfWhatTheyShare) {
     Principled floor;
     floor.base_color.texture = {0};
     floor[PrincipledScalar::kRoughness].texture = {2};
-    const Bitmap color = bitmap_of(
-        8, 3, [](int x, int, int c) { return x < 4 ? 0.2f : 0.5f + 0.1f * static_cast<float>(c); });
     const Bitmap dark = bitmap_of(8, 3, [](int, int, int) { return 0.1f; });
-    Scene scene = floor_scene(floor, {color, dark, halves(1, 0.25f, 0.25f)});
+    Scene scene = floor_scene(floor, {gray_and_tinted(), dark, halves(1, 0.25f, 0.25f)});
     Principled wall = floor;
     wall.base_color.texture = {1};
     scene.bsdfs.push_back(wall);
