@@ -71,15 +71,16 @@ std::string ended_by(const Summary& summary) {
 std::string unvisited_text(const RunResult& run, std::size_t texture) {
     const RecoveredTexture& t = run.result.summary.textures[texture];
     if (t.unvisited == 0) return "";
-    const std::size_t all = t.coverage.values.size();
-    if (t.unvisited == 1)
-        return fmt::format(
-            "No sample of any view came to 1 texel that surfaces read, of {} in all: {}.",
-            count_text(all), t.filled ? "it is filled from those around it" : "it holds the start");
-    return fmt::format(
-        "No sample of any view came to {} texels that surfaces read, of {} in all: {}.",
-        count_text(t.unvisited), count_text(all),
-        t.filled ? "they are filled from those around them" : "they hold the start");
+    const bool is_one = t.unvisited == 1;
+    std::string what =
+        is_one ? "it is filled from those around it" : "they are filled from those around them";
+    if (!t.filled) {
+        what = is_one ? "it holds the start" : "they hold the start";
+        if (!run.result.summary.searched_again.empty()) what += ", or what a later search chose";
+    }
+    return fmt::format("No sample of any view came to {} that surfaces read, of {} in all: {}.",
+                       count_text(t.unvisited, "texel"), count_text(t.coverage.values.size()),
+                       what);
 }
 
 std::vector<std::pair<std::string, const Image*>> evidence_maps(const RecoveredTexture& texture) {

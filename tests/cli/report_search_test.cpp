@@ -59,14 +59,28 @@ TEST(ReportSearch, CountsInTheSingular) {
     EXPECT_TRUE(says(html, "1 region starts here")) << html;
     EXPECT_TRUE(says(html, "1 other of 13")) << html;
     EXPECT_TRUE(says(html, "before iteration 8: 1 texel took other")) << html;
+}
 
+TEST(ReportSearch, SaysWhatTexelsHoldThatNoSampleVisited) {
+    RunResult run = searched_run({});
     RecoveredTexture texture;
     texture.coverage = make_image(2, 2, 1, 1.0f);
-    texture.unvisited = 1;
     run.result.summary.textures = {texture};
-    EXPECT_EQ(unvisited_text(run, 0),
+    const auto text = [&](std::size_t unvisited, bool filled) {
+        run.result.summary.textures[0].unvisited = unvisited;
+        run.result.summary.textures[0].filled = filled;
+        return unvisited_text(run, 0);
+    };
+    EXPECT_EQ(text(1, false),
               "No sample of any view came to 1 texel that surfaces read, of 4 in all: it holds the "
               "start.");
+    EXPECT_TRUE(
+        says(text(3, false), "3 texels that surfaces read, of 4 in all: they hold the start."));
+    run.result.summary.searched_again = {{8, 1}};
+    EXPECT_TRUE(says(text(2, false), "they hold the start, or what a later search chose."));
+    EXPECT_TRUE(says(text(2, true), "they are filled from those around them."));
+    EXPECT_TRUE(says(text(1, true), "it is filled from those around it."));
+    EXPECT_EQ(text(0, false), "");
 }
 
 /// Of one searched texture no other one is at fault.
