@@ -6,18 +6,18 @@
 Each seed is a scene: a shape, a light, a material whose numbers are textures or constants, one to three of them
 unknown, six cameras, 160 x 160 pixels. Its files lie in FOLDER/SEED: scene.xml and capture.json, whose last two views
 are held out. Without --time the start alone is made. --unknowns: only scenes with that many or more. Writes
-FOLDER/random_scenes.json and prints one line for each scene, then means. Texture errors are root mean squares over the
-texels that light reaches. Needs numpy.
+FOLDER/random_scenes.json and prints what each scene is, its errors from each start, then means. Texture errors are
+root mean squares over the texels that light reaches. Needs numpy.
 """
 import argparse
 import json
 import math
 import statistics
-import subprocess
-import sys
 from pathlib import Path
 
 import numpy as np
+
+from compare_sides import call
 
 RESOLUTION = 160
 #: Of each number of a BSDF: channels, and the range of its values.
@@ -152,7 +152,7 @@ def shape(random, folder: Path) -> tuple[str, str]:
         height = 0.3 + 0.5 * np.exp(-6 * ((u - 0.5) ** 2 + (v - 0.5) ** 2)) + 0.05 * np.sin(20 * u)
         points = [2.4 * u - 1.2, height, 1.2 - 2.4 * v]
     grid_mesh(np.stack(points, -1), folder / "shape.obj")
-    return ('<shape type="obj"><string name="filename" value="shape.obj"/><ref id="material"/></shape>\n', kind)
+    return '<shape type="obj"><string name="filename" value="shape.obj"/><ref id="material"/></shape>\n', kind
 
 
 def sky(random, folder: Path, kind: str) -> str:
@@ -238,14 +238,9 @@ def make_scene(seed: int, folder: Path) -> tuple[list[str], str]:
 def recover(burnish: Path, file: Path, unknown: list[str], start: str, seconds: float | None) -> dict[str, list[float]]:
     """Of each unknown its errors at the start and at the end."""
     out = file.parent / f"{file.stem}-{start}"
-    rules = ["--time", str(seconds)] if seconds else ["--iterations", "1", "--learning-rate", "1e-9"]
-    command = [burnish, "optimize", file, "--init", start, *rules, "--target-spp", "128", "--evaluation-spp", "16",
-               "-o", out, "--force"]
-    for name in unknown:
-        command += ["--parameter", f"material.brdf_0.{name}"]
-    ended = subprocess.run(list(map(str, command)), capture_output=True, text=True)
-    if ended.returncode != 0:
-        sys.exit(f"random_scenes: {file}: {ended.stderr}")
+    rules = ["--time", seconds] if seconds else ["--iterations", "1", "--learning-rate", "1e-9"]
+    call(burnish, "optimize", file, *(f"--parameter=material.brdf_0.{name}" for name in unknown), "--init", start, *rules,
+         "--target-spp", 128, "--evaluation-spp", 16, "-o", out, "--force")
     errors = json.loads((out / "summary.json").read_text())["result"]["texture_rmse"]
     return {name.split(".")[-2]: [e["initial"], e["final"]] for name, e in sorted(errors.items())}
 
